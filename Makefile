@@ -1,0 +1,40 @@
+# make run   set up, then serve on 127.0.0.1:8000
+# make test  set up, lint, check types, test
+BIN := .venv/bin
+PORT ?= 8000
+DATABASE ?= sqlite:///var/semtopo.db
+JOBS ?= 2
+EXPORT = $(BIN)/uv export --quiet --frozen --no-header --no-emit-project
+
+.PHONY: setup run test lint types lock clean
+
+setup: .venv/.ready
+
+.venv/.ready: requirements.lock requirements-build.lock pyproject.toml scripts/setup.sh
+	sh scripts/setup.sh
+	touch $@
+
+run: setup
+	mkdir -p var
+	$(BIN)/semtopo serve --host 127.0.0.1 --port $(PORT) --database $(DATABASE) --example examples/paper
+
+test: lint types
+	$(BIN)/pytest -n $(JOBS) --dist loadfile
+
+lint: setup
+	$(BIN)/ruff check .
+	$(BIN)/ruff format --check .
+	$(BIN)/hadolint Dockerfile
+
+types: setup
+	$(BIN)/mypy
+
+# Newest versions that have been out for three days. uv.lock names hosts and is not kept.
+lock: setup
+	$(BIN)/uv lock --upgrade --exclude-newer '3 days'
+	$(EXPORT) --all-groups -o requirements.lock
+	$(EXPORT) --no-dev -o requirements-runtime.lock
+	$(EXPORT) --only-group build -o requirements-build.lock
+
+clean:
+	rm -rf .venv build dist .coverage* htmlcov .mypy_cache .pytest_cache .ruff_cache .hypothesis
