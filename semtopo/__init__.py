@@ -1,0 +1,134 @@
+"""Turn a robot's steps into zones, a graph of zones and answers.
+
+The flow of one step, from value to value:
+
+    World -> Measurement -> Scan -> SensorMap -> MetricMap + TopologyGraph -> Route
+
+It implements Figurowski & Dworak, "An algorithm for modeling an environment and creating a semantic
+model of its topology", Procedia Computer Science 192 (2021) 612-621. The paper's symbols are here:
+
+    M_w, z_w  World, WorldZone          M_u, z_u  SensorMap, Zone
+    U_s       Sensor                    M_m, z_m  MetricMap, MappedZone
+    p_r       position                  M_s, E    TopologyGraph, Passage
+    U_xy      Measurement               s_r       here
+    U_r       Scan
+
+Nothing in this package does I/O, reads a clock, draws a random number, or logs: same input, same
+output.
+
+Readings of the paper, where it is silent or misprinted; each is cited at its line:
+
+    R1   beam i looks along 2 pi (i - 1) / u_sD, clockwise from +y
+    R2   a beam ends at its first obstacle sample
+    R3   a passage sample makes no zone, also before an obstacle
+    R4   later rectangles lie on top; they are closed; outside of all is obstacle; the robot's own
+         place is not sampled; at least two samples on a beam
+    R5   a change of label without a passage between is a passage of no width
+    R6   a zone is the union of the strips between neighbouring beams
+    R7   the nearest zone: least distance to its polygon, ties by label
+    R8   a scan without zones changes nothing, and counts
+    R9   a zone may have any area above `min_zone_area`
+    R10  the first passage between two zones stays
+    R11  a passage point is the point of the zone that is nearest to the robot
+    R12  zones fuse by polygon union; they may have holes and several parts
+    R13  kind `unknown`: seen, not labelled; neither obstacle nor zone nor passage; what begins
+         behind it begins with occupancy `free`
+    R14  one label is one zone
+    R15  edges: to every zone `seen`, or only between zones `adjacent` along beams: both beams of a
+         strip must lead from the one to the other, since one alone may slip through a wall
+"""
+
+from semtopo.codec import graph_body, read_map, zones_body
+from semtopo.documents import (
+    MappingDocument,
+    PoseDocument,
+    RecordedScan,
+    ScanDocument,
+    SensorDocument,
+    WorldDocument,
+)
+from semtopo.errors import (
+    InvalidInputError,
+    InvalidMapError,
+    InvalidOptionError,
+    InvalidPathError,
+    InvalidPoseError,
+    InvalidQuestionError,
+    InvalidScanError,
+    InvalidSensorError,
+    InvalidWorldError,
+    NoRouteError,
+    SemtopoError,
+    UnknownZoneError,
+)
+from semtopo.graph import Node, NodeFound, Passage, PassageFound, TopologyGraph
+from semtopo.mapper import MapState, Stage, Step, explore, run, scan_world, step
+from semtopo.metric import MappedZone, MetricMap
+from semtopo.query import PathAnswer, answer, find_zone
+from semtopo.route import Route, find_route
+from semtopo.runs import LabelledRuns, from_runs
+from semtopo.scan import Scan, analyse
+from semtopo.sensor import Measurement, Sensor, measure
+from semtopo.types import Edges, Kind, MappingOptions, Occupancy, Pose
+from semtopo.world import World, WorldZone
+from semtopo.zones import SensorMap, Zone, extract
+
+__all__ = [
+    "Edges",
+    "InvalidInputError",
+    "InvalidMapError",
+    "InvalidOptionError",
+    "InvalidPathError",
+    "InvalidPoseError",
+    "InvalidQuestionError",
+    "InvalidScanError",
+    "InvalidSensorError",
+    "InvalidWorldError",
+    "Kind",
+    "LabelledRuns",
+    "MapState",
+    "MappedZone",
+    "MappingDocument",
+    "MappingOptions",
+    "Measurement",
+    "MetricMap",
+    "NoRouteError",
+    "Node",
+    "NodeFound",
+    "Occupancy",
+    "Passage",
+    "PassageFound",
+    "PathAnswer",
+    "Pose",
+    "PoseDocument",
+    "RecordedScan",
+    "Route",
+    "Scan",
+    "ScanDocument",
+    "SemtopoError",
+    "Sensor",
+    "SensorDocument",
+    "SensorMap",
+    "Stage",
+    "Step",
+    "TopologyGraph",
+    "UnknownZoneError",
+    "World",
+    "WorldDocument",
+    "WorldZone",
+    "Zone",
+    "analyse",
+    "answer",
+    "explore",
+    "extract",
+    "find_route",
+    "find_zone",
+    "from_runs",
+    "graph_body",
+    "measure",
+    "read_map",
+    "run",
+    "scan_world",
+    "step",
+    "zones_body",
+]

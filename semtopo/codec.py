@@ -1,0 +1,189 @@
+"""Maps, steps and routes as bytes: the bodies of HTTP, the files of the command line, stored rows.
+
+Every number is written so that it reads back to the very same value. Coordinates are in m, map
+frame; polygons follow RFC 7946 (GeoJSON), but for the frame.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Mapping
+from typing import Any, TypeAlias
+
+import numpy as np
+import orjson
+import shapely
+from shapely import Polygon
+
+from semtopo.errors import InvalidMapError
+from semtopo.geometry import Region
+from semtopo.graph import Event, Node, NodeFound, Passage, TopologyGraph
+from semtopo.mapper import MapState, Step
+from semtopo.metric import MappedZone, MetricMap
+from semtopo.query import PathAnswer
+from semtopo.route import Route
+from semtopo.zones import Border
+
+Document: TypeAlias = dict[str, Any]
+"""What orjson can write: a JSON object, numpy arrays among it."""
+
+Box: TypeAlias = tuple[float, float, float, float]
+"""Least x and y, greatest x and y, in m."""
+
+
+def to_json(document: Document) -> bytes:
+    """Return a document as JSON, in the one form used everywhere."""
+    return orjson.dumps(document, option=orjson.OPT_SERIALIZE_NUMPY)
+
+
+def zones_body(state: MapState, box: Box | None = None) -> bytes:
+    """Return the zones of a map, those that meet `box` if there is one, as GeoJSON."""
+    zones: Iterable[MappedZone] = state.metric.zones.values()
+    if box is not None:
+        window = shapely.box(*box)
+        zones = [zone for zone in zones if zone.region.intersects(window)]
+    features = [_feature(zone) for zone in zones]
+    return to_json({"type": "FeatureCollection", "seq": state.seq, "features": features})
+
+
+def graph_body(graph: TopologyGraph, seq: int) -> bytes:
+    """Return a graph as it is after step `seq`: nodes, and edges with their passage points."""
+    nodes = [{"id": node.zone_id, "label": node.label} for node in graph.nodes.values()]
+    edges = [
+        {"source": edge.source, "target": edge.target, "point": edge.point, "seq": edge.seq}
+        for edge in graph.passages.values()
+    ]
+    return to_json({"seq": seq, "nodes": nodes, "edges": edges})
+
+
+def step_document(step: Step) -> Document:
+    """Return what a step answers, but for the time that it took."""
+    events = [event_document(event) for event in step.events]
+    return {"seq": step.state.seq, "here": step.here, "events": events}
+
+
+def event_document(event: Event) -> Document:
+    """Return one finding of a step."""
+    if isinstance(event, NodeFound):
+        return {"type": "node", "label": event.label, "zone_id": event.zone_id}
+    return {"type": "edge", "source": event.source, "target": event.target, "point": event.point}
+
+
+def route_document(route: Route) -> Document:
+    """Return a route: its zones, its passages with their points, its length in m."""
+    passages = [
+        {"source": passage.source, "target": passage.target, "point": passage.point}
+        for passage in route.passages
+    ]
+    return {
+        "source": route.source,
+        "target": route.target,
+        "zones": route.zones,
+        "passages": passages,
+        "length": route.length,
+    }
+
+
+def answer_document(answer: PathAnswer) -> Document:
+    """Return the answer to a question, as structure and in words."""
+    return {
+        "kind": "path",
+        "sentence": answer.sentence,
+        "route": route_document(answer.route),
+    }
+
+
+def read_map(zones: bytes, graph: bytes) -> MapState:
+    """Read a map back from its two bodies.
+
+    Border points are no part of the bodies: those of the result are empty.
+
+    Raises
+    ------
+    InvalidMapError
+        The bodies are none that this module wrote.
+    """
+    try:
+        return _map_from(orjson.loads(zones), orjson.loads(graph))
+    except (LookupError, TypeError, ValueError, shapely.errors.ShapelyError) as error:
+        raise InvalidMapError("these are not the zones and the graph of a map") from error
+
+
+def region_bytes(region: Region) -> bytes:
+    """Return a region as well-known binary (WKB), exact."""
+    return shapely.to_wkb(region)
+
+
+def region_from(stored: bytes) -> Region:
+    """Read a region back from `region_bytes`."""
+    region = shapely.from_wkb(stored)
+    if not isinstance(region, Region):
+        raise InvalidMapError("a stored region is no polygon")
+    return region
+
+
+def border_bytes(border: Border) -> bytes:
+    """Return border points as bytes: all x and y (64-bit floats), then all occupancies (bytes)."""
+    return border.xy.astype("<f8").tobytes() + border.occupancy.tobytes()
+
+
+def border_from(stored: bytes) -> Border:
+    """Read border points back from `border_bytes`."""
+    count = len(stored) // 17  # two floats of 8 bytes and one occupancy
+    xy = np.frombuffer(stored, dtype="<f8", count=2 * count).reshape(-1, 2)
+    return Border(xy, np.frombuffer(stored, dtype=np.uint8, offset=16 * count))
+
+
+def _feature(zone: MappedZone) -> Document:
+    """Return one zone as a GeoJSON feature; outer rings counter-clockwise (RFC 7946, 3.1.6)."""
+    region: Region = shapely.orient_polygons(zone.region)
+    return {
+        "type": "Feature",
+        "id": zone.zone_id,
+        "geometry": _geometry(region),
+        "properties": {
+            "label": zone.label,
+            "area": region.area,
+            "since": zone.since,
+            "seq": zone.seq,
+        },
+    }
+
+
+def _geometry(region: Region) -> Document:
+    """Return a region as a GeoJSON geometry."""
+    if isinstance(region, Polygon):
+        return {"type": "Polygon", "coordinates": _rings(region)}
+    return {"type": "MultiPolygon", "coordinates": [_rings(part) for part in region.geoms]}
+
+
+def _rings(polygon: Polygon) -> list[Any]:
+    return [shapely.get_coordinates(ring) for ring in (polygon.exterior, *polygon.interiors)]
+
+
+def _map_from(zones: Mapping[str, Any], graph: Mapping[str, Any]) -> MapState:
+    """Return the map of two parsed bodies."""
+    mapped = {feature["id"]: _zone_from(feature) for feature in zones["features"]}
+    nodes = {node["id"]: _node_from(node, mapped) for node in graph["nodes"]}
+    edges = [
+        Passage(edge["source"], edge["target"], (edge["point"][0], edge["point"][1]), edge["seq"])
+        for edge in graph["edges"]
+    ]
+    passages = {(edge.source, edge.target): edge for edge in edges}
+    if {end for pair in passages for end in pair} - set(nodes) or set(mapped) != set(nodes):
+        raise InvalidMapError("zones and graph do not belong together")
+    return MapState(graph["seq"], MetricMap(mapped), TopologyGraph(nodes, passages))
+
+
+def _node_from(node: Mapping[str, Any], mapped: Mapping[str, MappedZone]) -> Node:
+    return Node(node["id"], node["label"], mapped[node["id"]].since)
+
+
+def _zone_from(feature: Mapping[str, Any]) -> MappedZone:
+    region = shapely.from_geojson(orjson.dumps(feature["geometry"]))
+    if not isinstance(region, Region):
+        raise InvalidMapError("a zone is no polygon")
+    about = feature["properties"]
+    no_border = Border(np.empty((0, 2)), np.empty(0, dtype=np.uint8))
+    return MappedZone(
+        feature["id"], about["label"], region, no_border, since=about["since"], seq=about["seq"]
+    )

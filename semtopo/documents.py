@@ -1,0 +1,147 @@
+"""Worlds, sensors, options, poses and scans as they are written in JSON, by file or over HTTP.
+
+In come bytes or parsed JSON; out come the values of the other rooms, by `value()`. Everything has a
+bound, so that no document can exhaust a machine; numbers are finite, and labels are clean words.
+"""
+
+from __future__ import annotations
+
+from typing import Annotated, Literal
+
+from pydantic import AfterValidator, BaseModel, ConfigDict, FailFast, Field
+
+from semtopo.runs import LabelledRuns
+from semtopo.sensor import Sensor
+from semtopo.types import Edges, Kind, MappingOptions, Pose
+from semtopo.world import World, WorldZone
+
+COORDINATE_MAX = 1e6  # m; a float still resolves 1e-10 m there
+RANGE_MAX = 1e4  # m; no sensor indoors sees further
+LABEL_LENGTH_MAX = 100
+ZONES_MAX = 100_000
+BEAMS_MAX = 4_000
+SAMPLES_MAX = 2_000
+RUNS_MAX = 1_000  # on one beam
+
+
+def _printable(text: str) -> str:
+    """Refuse control characters, lone surrogates and spaces at the ends."""
+    if text != text.strip() or not text.replace(" ", "x").isprintable():
+        raise ValueError("a name holds only printable characters, and no space at its ends")
+    return text
+
+
+Label = Annotated[
+    str, Field(strict=True, min_length=1, max_length=LABEL_LENGTH_MAX), AfterValidator(_printable)
+]
+Number = Annotated[float, Field(strict=True, allow_inf_nan=False)]
+Coordinate = Annotated[Number, Field(ge=-COORDINATE_MAX, le=COORDINATE_MAX)]
+Angle = Annotated[Number, Field(ge=-1e3, le=1e3)]  # rad; more turns than this are a mistake
+Radius = Annotated[Number, Field(gt=0, le=RANGE_MAX)]
+KindName = Literal["space", "passage", "obstacle", "unknown"]
+
+
+class Document(BaseModel):
+    """A JSON object that may hold nothing but its fields."""
+
+    model_config = ConfigDict(extra="forbid", frozen=True)
+
+
+class WorldZoneDocument(Document):
+    """A labelled rectangle; corners in m, map frame."""
+
+    label: Label
+    kind: KindName
+    low: tuple[Coordinate, Coordinate]
+    high: tuple[Coordinate, Coordinate]
+
+    def value(self) -> WorldZone:
+        """Return the rectangle."""
+        return WorldZone(self.label, Kind[self.kind.upper()], self.low, self.high)
+
+
+class WorldDocument(Document):
+    """A world of rectangles, later ones on top (R4)."""
+
+    name: Annotated[str, Field(max_length=LABEL_LENGTH_MAX), AfterValidator(_printable)] = ""
+    zones: Annotated[list[WorldZoneDocument], FailFast(), Field(min_length=1, max_length=ZONES_MAX)]
+
+    def value(self) -> World:
+        """Return the world."""
+        return World([zone.value() for zone in self.zones], name=self.name)
+
+
+class SensorDocument(Document):
+    """A simulated sensor; range in m. The defaults are the paper's."""
+
+    beams: Annotated[int, Field(strict=True, ge=1, le=BEAMS_MAX)] = 72
+    range: Radius = 2.0
+    samples: Annotated[int, Field(strict=True, ge=2, le=SAMPLES_MAX)] = 20
+
+    def value(self) -> Sensor:
+        """Return the sensor."""
+        return Sensor(self.beams, self.range, self.samples)
+
+
+class MappingDocument(Document):
+    """How a session maps; the defaults are the paper's behaviour. `min_zone_area` in m^2."""
+
+    edges: Literal["seen", "adjacent"] = "seen"
+    min_zone_area: Annotated[Number, Field(ge=0, le=COORDINATE_MAX)] = 0.0
+
+    def value(self) -> MappingOptions:
+        """Return the options."""
+        return MappingOptions(edges=Edges(self.edges), min_zone_area=self.min_zone_area)
+
+
+class PoseDocument(Document):
+    """A pose: x, y in m, map frame; theta in rad, counter-clockwise from +x."""
+
+    x: Coordinate
+    y: Coordinate
+    theta: Angle = 0.0
+
+    def value(self) -> Pose:
+        """Return the pose."""
+        return Pose(self.x, self.y, self.theta)
+
+
+Run = tuple[Label, Radius]
+"""A label met on a beam, and the distance in m where it ends."""
+
+
+class ScanDocument(Document):
+    """Labelled runs along the beams of a real sensor, from the robot outwards.
+
+    Beam i looks along theta + angle_min + i * angle_increment (rad). A beam whose last radius is
+    below range_max (m) ended at an obstacle. Labels without an entry in `kinds` are spaces.
+    """
+
+    angle_min: Angle
+    angle_increment: Angle
+    range_max: Radius
+    beams: Annotated[
+        list[Annotated[list[Run], FailFast(), Field(max_length=RUNS_MAX)]],
+        FailFast(),
+        Field(max_length=BEAMS_MAX),
+    ]
+    kinds: Annotated[dict[Label, KindName], Field(max_length=1_000)] = {}
+
+    def value(self) -> LabelledRuns:
+        """Return the runs."""
+        return LabelledRuns(
+            angle_min=self.angle_min,
+            angle_increment=self.angle_increment,
+            range_max=self.range_max,
+            beams=self.beams,
+            kinds={label: Kind[kind.upper()] for label, kind in self.kinds.items()},
+        )
+
+
+class RecordedScan(Document):
+    """One line of a recording: a pose, and what was seen from it. `k` and `t` are not used."""
+
+    k: int | None = None
+    t: Number | None = None
+    pose: PoseDocument
+    scan: ScanDocument

@@ -1,0 +1,67 @@
+"""Keep the few facts about polygons that several rooms need.
+
+Regions are shapely Polygons or MultiPolygons, valid and not empty; x and y in metres, map frame.
+"""
+
+from __future__ import annotations
+
+from typing import TypeAlias
+
+import numpy as np
+import shapely
+from numpy.typing import NDArray
+from shapely import MultiPolygon, Polygon
+from shapely.geometry.base import BaseGeometry
+
+from semtopo.types import Flags, Floats, Point
+
+Region: TypeAlias = Polygon | MultiPolygon
+Polygons: TypeAlias = NDArray[np.object_]
+"""An array (n,) of shapely Polygons."""
+
+NO_AREA = 1e-9
+"""m^2; a square of 0.03 mm: what remains when a strip collapses to a line, not a place."""
+
+
+def polygonal(geometry: BaseGeometry) -> Region:
+    """Return the area of a geometry, without stray lines and points."""
+    if isinstance(geometry, Polygon | MultiPolygon):
+        return geometry
+    parts = shapely.get_parts(geometry)
+    return MultiPolygon([part for part in parts if isinstance(part, Polygon)])
+
+
+def union(polygons: Polygons) -> Region:
+    """Return the union of at least one polygon (R12)."""
+    return polygonal(shapely.union_all(polygons))
+
+
+def coverage_union(polygons: Polygons) -> Region:
+    """Return the union of at least one polygon, fast: they share whole sides and do not overlap."""
+    return polygonal(shapely.coverage_union_all(polygons))
+
+
+def fuse(region: Region, addition: Region) -> Region:
+    """Return the union of two regions, or the first itself where the second adds no area (R12)."""
+    fused = polygonal(shapely.union(region, addition))
+    return fused if fused.area - region.area > NO_AREA else region
+
+
+def nearest_point(region: Region, position: Point) -> Point:
+    """Return the point of a region nearest to a position, itself if it lies inside (R11).
+
+    Of points at the same distance, the first along the region's rings.
+    """
+    line = shapely.shortest_line(region, shapely.Point(position))
+    x, y = shapely.get_coordinates(line)[0]
+    return (float(x), float(y))
+
+
+def vertex_flags(points: Floats, region: Region) -> Flags:
+    """Say of each of (n, 2) points whether it is, to the last bit, a vertex of a region."""
+    return np.isin(_as_complex(points), _as_complex(shapely.get_coordinates(region)))
+
+
+def _as_complex(points: Floats) -> np.ndarray[tuple[int], np.dtype[np.complex128]]:
+    """Return (n, 2) points as n complex numbers, so that a point can be compared as one value."""
+    return np.ascontiguousarray(points, dtype=np.float64).view(np.complex128).reshape(-1)

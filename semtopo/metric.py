@@ -1,0 +1,75 @@
+"""The metric map M_m: what is known of each zone's extent (Alg. 3, the lines on M_m).
+
+In come the zones of one scan; out goes a new map. Maps are values: a step makes a new one, and the
+old one stays as it was.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass, field, replace
+from types import MappingProxyType
+
+from semtopo.geometry import Region, fuse
+from semtopo.zones import Border, SensorMap, Zone
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class MappedZone:
+    """A zone of the map z_m.
+
+    `zone_id` is the instance, `label` the class; with one zone for each label (R14) they are the
+    same word. `since` is the step that found the zone, `seq` the last step that changed it.
+    """
+
+    zone_id: str
+    label: str
+    region: Region
+    border: Border
+    since: int
+    seq: int
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class MetricMap:
+    """The metric map M_m: zones by `zone_id`, in the order in which they were found."""
+
+    zones: Mapping[str, MappedZone] = field(default_factory=dict)
+
+    def __post_init__(self) -> None:
+        """Let nobody change the zones from here on."""
+        object.__setattr__(self, "zones", MappingProxyType(self.zones))
+
+    def fused(self, sensor_map: SensorMap, seq: int) -> MetricMap:
+        """Return the map with the zones of one scan fused in, at step `seq`.
+
+        Alg. 3, l. 4-11 for the zone where the robot is, l. 13-29 for the others. A zone that
+        grows by nothing stays the very same object.
+        """
+        zones = dict(self.zones)
+        for seen in here_first(sensor_map):
+            known = zones.get(seen.label)
+            zones[seen.label] = _new(seen, seq) if known is None else _grown(known, seen, seq)
+        return MetricMap(zones)
+
+    def changed_since(self, older: MetricMap) -> list[MappedZone]:
+        """Return the zones that differ from those of an older map."""
+        return [zone for key, zone in self.zones.items() if older.zones.get(key) is not zone]
+
+
+def here_first(sensor_map: SensorMap) -> list[Zone]:
+    """Return the zones in the order of Algorithm 3: where the robot is, then by label."""
+    return sorted(sensor_map.zones, key=lambda zone: (zone.label != sensor_map.here, zone.label))
+
+
+def _new(seen: Zone, seq: int) -> MappedZone:
+    return MappedZone(seen.label, seen.label, seen.region, seen.border, since=seq, seq=seq)
+
+
+def _grown(known: MappedZone, seen: Zone, seq: int) -> MappedZone:
+    """Return a known zone with a seen one fused in (Alg. 3, l. 5-7 and 16-18; R12)."""
+    region = fuse(known.region, seen.region)
+    if region is known.region:
+        return known
+    border = known.border.joined(seen.border).on(region)
+    return replace(known, region=region, border=border, seq=seq)

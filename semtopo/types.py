@@ -1,0 +1,103 @@
+"""Define the words that every room uses: kinds of space, occupancies, poses and options.
+
+Plain immutable values; whatever exists is valid. The numbers behind `Kind` and `Occupancy` stand
+in arrays of one byte each and in stored maps: they never change.
+"""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+from enum import IntEnum, StrEnum
+from typing import TypeAlias
+
+import numpy as np
+from numpy.typing import NDArray
+
+from semtopo.errors import InvalidOptionError, InvalidPoseError
+
+Floats: TypeAlias = NDArray[np.float64]
+Integers: TypeAlias = NDArray[np.intp]
+Bytes: TypeAlias = NDArray[np.uint8]
+Flags: TypeAlias = NDArray[np.bool_]
+
+Point: TypeAlias = tuple[float, float]
+"""x and y in metres, map frame."""
+
+NOWHERE = -1
+"""The label index of a place that no zone covers."""
+
+
+class Kind(IntEnum):
+    """What a robot can do with a place: be in it, pass through it, be stopped by it."""
+
+    SPACE = 0
+    PASSAGE = 1
+    OBSTACLE = 2
+    UNKNOWN = 3  # R13: seen, but not labelled
+
+
+class Occupancy(IntEnum):
+    """Why a border point is where it is; where two claims meet, the greater one holds."""
+
+    NONE = 0  # no border point at all
+    FREE = 1
+    PASSAGE = 2
+    OBSTACLE = 3
+
+
+class Edges(StrEnum):
+    """Which pairs of zones are linked (R15)."""
+
+    SEEN = "seen"
+    ADJACENT = "adjacent"
+
+
+@dataclass(frozen=True, slots=True)
+class Pose:
+    """Where a robot stands and looks: x, y in m, theta in rad, counter-clockwise from +x.
+
+    Raises
+    ------
+    InvalidPoseError
+        A coordinate is not finite.
+    """
+
+    x: float
+    y: float
+    theta: float = 0.0
+
+    def __post_init__(self) -> None:
+        """Refuse what is not finite."""
+        if not all(map(math.isfinite, (self.x, self.y, self.theta))):
+            raise InvalidPoseError("a pose needs finite x, y and theta")
+
+    @property
+    def position(self) -> Point:
+        """The pose without its heading (p_r)."""
+        return (self.x, self.y)
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class MappingOptions:
+    """How a session maps; the defaults are the paper's behaviour.
+
+    `edges` says which zones are linked (R15); `min_zone_area` in m^2 says below which size a zone
+    of one scan is passed over (R9).
+
+    Raises
+    ------
+    InvalidOptionError
+        `min_zone_area` is negative or not finite, or `edges` is none of the known words.
+    """
+
+    edges: Edges = Edges.SEEN
+    min_zone_area: float = 0.0
+
+    def __post_init__(self) -> None:
+        """Refuse values out of range, and turn the word for `edges` into its member."""
+        if self.edges not in set(Edges):
+            raise InvalidOptionError(f"edges must be one of {', '.join(Edges)}")
+        object.__setattr__(self, "edges", Edges(self.edges))
+        if not (math.isfinite(self.min_zone_area) and self.min_zone_area >= 0):
+            raise InvalidOptionError("min_zone_area must be a finite number of m^2, at least 0")

@@ -1,0 +1,229 @@
+"""The sensor map M_u: polygonal zones seen in one scan (Alg. 2, l. 36-42; R6).
+
+In comes a scan; out go its zones, and which of them the beams linked. This room remembers nothing:
+what was known before is the business of `metric` and `graph`.
+
+A zone is the union of strips. A strip lies between two neighbouring beams, and joins an interval of
+the one to an interval of the other: same label, both from the robot or both not, overlapping in
+radius.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import dataclass
+
+import numpy as np
+import shapely
+
+from semtopo.geometry import (
+    NO_AREA,
+    Polygons,
+    Region,
+    coverage_union,
+    nearest_point,
+    union,
+    vertex_flags,
+)
+from semtopo.scan import Scan
+from semtopo.types import Bytes, Edges, Flags, Floats, Integers, MappingOptions, Occupancy, Point
+
+SAME_DISTANCE = 1e-9
+"""m; far above what rounding does to a distance indoors, far below what a sensor can tell."""
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Border:
+    """Characteristic points on the border of a region: `xy` (n, 2) in m, `occupancy` (n,)."""
+
+    xy: Floats
+    occupancy: Bytes
+
+    def joined(self, other: Border) -> Border:
+        """Return the points of both; of two claims on one place the greater occupancy holds."""
+        xy = np.concatenate([self.xy, other.xy])
+        occupancy = np.concatenate([self.occupancy, other.occupancy])
+        order = np.lexsort((-occupancy.astype(np.int8), xy[:, 1], xy[:, 0]))
+        xy, occupancy = xy[order], occupancy[order]
+        first = np.ones(len(xy), dtype=np.bool_)
+        first[1:] = (xy[1:] != xy[:-1]).any(axis=1)
+        return Border(xy[first], occupancy[first])
+
+    def on(self, region: Region) -> Border:
+        """Return the points that are vertices of a region."""
+        kept = vertex_flags(self.xy, region)
+        return Border(self.xy[kept], self.occupancy[kept])
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Zone:
+    """A zone of one scan z_u: its label, its region in m, map frame, and its border points."""
+
+    label: str
+    region: Region
+    border: Border
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Link:
+    """Evidence in one scan that one passes from `source` to `target`.
+
+    `strips` are polygons: the part of the target that one enters.
+    """
+
+    source: str
+    target: str
+    strips: Polygons
+
+    def nearest_point(self, position: Point) -> Point:
+        """Return the point of the entered part that is nearest to the robot (R11)."""
+        return nearest_point(union(self.strips), position)
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class SensorMap:
+    """The zones of one scan M_u, sorted by label, with the position p_r it was taken from.
+
+    `here` is the label s_r of the nearest zone, `None` if the scan shows no zone (R8). `links` are
+    the edges that the scan speaks for, by the option `edges` (R15).
+    """
+
+    position: Point
+    zones: tuple[Zone, ...]
+    here: str | None
+    links: tuple[Link, ...]
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Strips:
+    """Pairs of intervals on neighbouring beams, (strips,) each: the beam before, the beam after."""
+
+    left: Integers
+    right: Integers
+    shapes: Polygons
+    """Their polygons; none is without area."""
+
+
+def extract(scan: Scan, options: MappingOptions) -> SensorMap:
+    """Build the zones of a scan and find the one where the robot is (Alg. 2, l. 36-42).
+
+    Zones not above `min_zone_area` are left out (R9); so is all that has no area.
+    """
+    strips = find_strips(scan)
+    zones = tuple(_zones(scan, strips, options.min_zone_area))
+    here = _nearest(zones, scan.position)
+    if here is None:
+        return SensorMap(scan.position, (), None, ())
+    if options.edges is Edges.ADJACENT:
+        links = tuple(_adjacent_links(scan, strips, {zone.label for zone in zones}))
+    else:
+        links = tuple(_seen_links(here, scan, strips, zones))
+    return SensorMap(scan.position, zones, here, links)
+
+
+def find_strips(scan: Scan) -> Strips:
+    """Return every strip of a scan that has area (R6)."""
+    left, right = _neighbours(scan)
+    spans = scan.intervals
+    matching = (
+        (spans.label[left] == spans.label[right])
+        & ((spans.near[left] == 0) == (spans.near[right] == 0))
+        & (spans.near[left] <= spans.far[right])
+        & (spans.near[right] <= spans.far[left])
+    )
+    left, right = left[matching], right[matching]
+    corners = np.stack(
+        [
+            scan.near_points(left),
+            scan.far_points(left),
+            scan.far_points(right),
+            scan.near_points(right),
+        ],
+        axis=1,
+    )
+    shapes = np.asarray(shapely.polygons(corners), dtype=np.object_)
+    solid = shapely.area(shapes) > NO_AREA
+    return Strips(left[solid], right[solid], shapes[solid])
+
+
+def _neighbours(scan: Scan) -> tuple[Integers, Integers]:
+    """Return every pair of intervals on neighbouring beams."""
+    beams, beam = len(scan.directions), scan.intervals.beam
+    count = np.bincount(beam, minlength=beams)
+    start = np.cumsum(count) - count
+    following = (beam + 1) % beams
+    partners = count[following]
+    if not scan.ring:
+        partners[beam == beams - 1] = 0
+    left = np.repeat(np.arange(len(beam)), partners)
+    offset = np.arange(len(left)) - np.repeat(np.cumsum(partners) - partners, partners)
+    return left, np.repeat(start[following], partners) + offset
+
+
+def _zones(scan: Scan, strips: Strips, min_zone_area: float) -> Iterator[Zone]:
+    """Yield the zones in the order of their labels (Alg. 2, l. 36-42)."""
+    labels = scan.intervals.label[strips.left]
+    for number in sorted(set(labels.tolist()), key=scan.labels.__getitem__):
+        region = _joined(strips, labels == number)
+        if region.area > min_zone_area:
+            yield Zone(scan.labels[number], region, _border(scan, number).on(region))
+
+
+def _joined(strips: Strips, chosen: Flags) -> Region:
+    """Return the union of the chosen strips.
+
+    Strips that share an interval share a whole side, and no two overlap; so the fast union for
+    coverages serves. It does not where an interval has two partners on one side, nor where a real
+    sensor's last beam looks along its first, which shows in the result.
+    """
+    left, right = strips.left[chosen], strips.right[chosen]
+    if len(np.unique(left)) == len(left) and len(np.unique(right)) == len(right):
+        region = coverage_union(strips.shapes[chosen])
+        if region.is_valid:
+            return region
+    return union(strips.shapes[chosen])
+
+
+def _border(scan: Scan, number: int) -> Border:
+    """Return all characteristic points of a label (Alg. 2, l. 38-39)."""
+    spans, mine = scan.intervals, scan.intervals.label == number
+    xy = np.concatenate([scan.near_points(mine), scan.far_points(mine)])
+    occupancy = np.concatenate([spans.near_occupancy[mine], spans.far_occupancy[mine]])
+    kept = occupancy != Occupancy.NONE
+    return Border(xy[kept], occupancy[kept])
+
+
+def _nearest(zones: tuple[Zone, ...], position: Point) -> str | None:
+    """Return the label of the zone nearest to the robot (Alg. 3, l. 1-2; ties by label, R7).
+
+    Samples stand at equal distances, so ties are common; rounding must not decide them.
+    """
+    place = shapely.Point(position)
+    distances = [zone.region.distance(place) for zone in zones]
+    near = min(distances, default=0.0) + SAME_DISTANCE
+    labels = [zone.label for zone, far in zip(zones, distances, strict=True) if far <= near]
+    return min(labels, default=None)
+
+
+def _seen_links(here: str, scan: Scan, strips: Strips, zones: tuple[Zone, ...]) -> Iterator[Link]:
+    """Yield a link from here to every other zone (Alg. 3, l. 13-29)."""
+    label = scan.intervals.label[strips.left]
+    for zone in zones:
+        if zone.label != here:
+            yield Link(here, zone.label, strips.shapes[label == scan.labels.index(zone.label)])
+
+
+def _adjacent_links(scan: Scan, strips: Strips, known: set[str]) -> Iterator[Link]:
+    """Yield a link for every pair of zones with strips that lead from one to the other (R15).
+
+    Both beams of a strip must come through: one alone may have slipped through a wall. The strips
+    that lead there are what one enters, and not all that is seen of the target.
+    """
+    spans = scan.intervals
+    source, target = spans.source[strips.left], spans.label[strips.left]
+    entered = (source >= 0) & (source == spans.source[strips.right])
+    pairs = {(int(s), int(t)) for s, t in zip(source[entered], target[entered], strict=True)}
+    for s, t in sorted(pairs, key=lambda pair: (scan.labels[pair[1]], scan.labels[pair[0]])):
+        if {scan.labels[s], scan.labels[t]} <= known:
+            leading = entered & (source == s) & (target == t)
+            yield Link(scan.labels[s], scan.labels[t], strips.shapes[leading])
