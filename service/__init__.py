@@ -1,0 +1,1 @@
+"""Serve maps: identity, time, storage and HTTP around the `semtopo` library, and nothing more."""

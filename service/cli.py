@@ -1,0 +1,208 @@
+"""The command `semtopo`: map a drive, ask for a route, serve over HTTP.
+
+Bad input of any sort gives exit status 2 and one line on stderr, never a traceback.
+"""
+
+from __future__ import annotations
+
+import io
+import sys
+from collections.abc import Iterable
+from enum import StrEnum
+from importlib.metadata import version
+from pathlib import Path
+from time import perf_counter
+from typing import Annotated, Any
+
+import typer
+from pydantic import ValidationError
+
+from semtopo import codec
+from semtopo.documents import SensorDocument
+from semtopo.errors import InvalidOptionError, SemtopoError
+from semtopo.formats.fault import describe_fault
+from semtopo.query import answer
+from semtopo.sensor import Sensor
+from semtopo.types import Edges, MappingOptions
+from service.mapping_run import (
+    Drive,
+    TimedStep,
+    read_map,
+    recorded_drive,
+    simulated_drive,
+    timed_steps,
+    write_map,
+)
+
+BAD_INPUT = 2
+INTERRUPTED = 130  # 128 + SIGINT, as shells have it
+
+
+class KeyAction(StrEnum):
+    """What can be done with API keys."""
+
+    ADD = "add"
+    LIST = "list"
+    REVOKE = "revoke"
+
+
+app = typer.Typer(
+    help="Semantic and topological maps for robots: zones, a graph and routes.",
+    add_completion=False,
+    pretty_exceptions_enable=False,
+)
+
+
+def main() -> None:
+    """Run the command, and turn every error that has a cause outside into one line."""
+    if isinstance(sys.stdout, io.TextIOWrapper):
+        sys.stdout.reconfigure(errors="backslashreplace")  # a label may be in any script
+    try:
+        status = app(standalone_mode=False)
+        sys.stdout.flush()  # so that a full disk is met here
+    except (KeyboardInterrupt, typer.Abort):
+        sys.exit(INTERRUPTED)
+    except (SemtopoError, ValidationError, OSError, typer.TyperException) as error:
+        typer.echo(f"semtopo: {_one_line(error)}", err=True)
+        sys.exit(BAD_INPUT)
+    sys.exit(status)
+
+
+def _one_line(error: Exception) -> str:
+    """Return what went wrong, in one line."""
+    if isinstance(error, ValidationError):
+        text = describe_fault(error)
+    elif isinstance(error, typer.TyperException):
+        text = error.format_message()
+    elif isinstance(error, OSError) and error.filename is not None:
+        text = f"{error.filename}: {error.strerror}"
+    else:
+        text = str(error)
+    return " ".join(text.split())
+
+
+def _print_version(wanted: bool) -> None:  # noqa: FBT001 -- typer calls it with the flag
+    if wanted:
+        typer.echo(f"semtopo {version('semtopo')}")
+        raise typer.Exit
+
+
+@app.callback()
+def _semtopo(
+    *,
+    show_version: Annotated[
+        bool, typer.Option("--version", callback=_print_version, help="Print the version.")
+    ] = False,
+) -> None:
+    """Semantic and topological maps for robots: zones, a graph and routes."""
+
+
+@app.command("map")
+def map_drive(  # noqa: PLR0913 -- one parameter for each option
+    *,
+    world: Annotated[Path | None, typer.Argument(help="World: JSON.", show_default=False)] = None,
+    path: Annotated[
+        Path | None, typer.Argument(help="CSV x,y[,theta].", show_default=False)
+    ] = None,
+    out: Annotated[Path, typer.Option(help="Folder to write to.")],
+    scans: Annotated[Path | None, typer.Option(help="Recording: JSON lines, or gzip.")] = None,
+    beams: Annotated[int | None, typer.Option(show_default="72")] = None,
+    sensor_range: Annotated[
+        float | None, typer.Option("--range", help="In m.", show_default="2")
+    ] = None,
+    samples: Annotated[int | None, typer.Option(help="On each beam.", show_default="20")] = None,
+    edges: Annotated[Edges, typer.Option(help="Which zones are linked.")] = Edges.SEEN,
+    min_zone_area: Annotated[float, typer.Option(help="In m^2.")] = 0.0,
+) -> None:
+    """Map a simulated drive through WORLD along PATH, or a real one recorded in --scans."""
+    started = perf_counter()
+    options = MappingOptions(edges=edges, min_zone_area=min_zone_area)
+    drive = _drive(world, path, scans, {"beams": beams, "range": sensor_range, "samples": samples})
+    state = write_map(_with_progress(timed_steps(drive.looks, options), drive.count), out)
+    seconds = perf_counter() - started
+    typer.echo(
+        f"{state.seq} steps, {len(state.graph.nodes)} zones, {len(state.graph.passages)} passages"
+        f" in {seconds:.1f} s"
+    )
+
+
+def _drive(
+    world: Path | None, path: Path | None, scans: Path | None, sensor: dict[str, float | None]
+) -> Drive:
+    """Return the drive that the arguments speak of."""
+    given = {name: value for name, value in sensor.items() if value is not None}
+    if scans is not None:
+        if world is not None or given:
+            raise InvalidOptionError("--scans takes no WORLD, no PATH and no simulated sensor")
+        return recorded_drive(scans)
+    if world is None or path is None:
+        raise InvalidOptionError("expected WORLD and PATH, or --scans")
+    return simulated_drive(world, path, _sensor(given))
+
+
+def _sensor(given: dict[str, Any]) -> Sensor:
+    return SensorDocument(**given).value()
+
+
+def _with_progress(steps: Iterable[TimedStep], count: int) -> Iterable[TimedStep]:
+    """Return the steps; on a terminal, show how far they are."""
+    if not sys.stderr.isatty():
+        return steps
+    from rich.console import Console  # noqa: PLC0415
+    from rich.progress import track  # noqa: PLC0415
+
+    return track(steps, "mapping", total=count, console=Console(stderr=True), transient=True)
+
+
+@app.command()
+def route(
+    directory: Annotated[Path, typer.Argument(help="A folder that `semtopo map` wrote.")],
+    question: Annotated[str, typer.Argument(help='Like "path from corridor to C".')],
+    *,
+    json: Annotated[bool, typer.Option("--json", help="Answer as JSON.")] = False,
+) -> None:
+    """Answer a question about the way from zone to zone."""
+    found = answer(read_map(directory), question)
+    typer.echo(codec.to_json(codec.answer_document(found)).decode() if json else found.sentence)
+
+
+@app.command()
+def serve(
+    *,
+    host: Annotated[str | None, typer.Option(show_default="127.0.0.1")] = None,
+    port: Annotated[int | None, typer.Option(show_default="8000")] = None,
+    database: Annotated[str | None, typer.Option(help="URL, as SQLAlchemy writes it.")] = None,
+    example: Annotated[Path | None, typer.Option(help="Folder of world.json and path.csv.")] = None,
+    keys: Annotated[bool, typer.Option("--keys", help="Ask every request for an API key.")] = False,
+    is_open: Annotated[bool, typer.Option("--open", help="Serve other machines without.")] = False,
+) -> None:
+    """Serve maps over HTTP. What is not given here is read from SEMTOPO_... variables."""
+    # FastAPI and SQLAlchemy take a second to import, which `map` and `route` need not wait for.
+    from service.app import serve as serve_forever  # noqa: PLC0415
+    from service.settings import Settings  # noqa: PLC0415
+
+    given: dict[str, Any] = {
+        "host": host, "port": port, "database": database, "example": example,
+        "keys": keys or None, "open": is_open or None,
+    }  # fmt: skip
+    serve_forever(Settings(**{name: value for name, value in given.items() if value is not None}))
+
+
+@app.command()
+def keys(
+    action: Annotated[KeyAction, typer.Argument()],
+    name: Annotated[str, typer.Argument(help="Whose key; not for `list`.")] = "",
+    *,
+    database: Annotated[str | None, typer.Option(help="URL, as SQLAlchemy writes it.")] = None,
+) -> None:
+    """Make, revoke or list API keys. A new key is shown this once."""
+    from service.key_desk import add, listed, revoke  # noqa: PLC0415 -- as for `serve`
+
+    match action:
+        case KeyAction.ADD:
+            typer.echo(add(database, name))
+        case KeyAction.REVOKE:
+            revoke(database, name)
+        case KeyAction.LIST:
+            for line in listed(database):
+                typer.echo(line)

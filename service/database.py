@@ -1,0 +1,148 @@
+"""Open the database: SQLite in a file, or PostgreSQL by URL, with its schema up to date.
+
+Writers and readers get engines of their own. On SQLite there is one writing connection in all, and
+a transaction takes the write lock when it begins; readers cannot write.
+"""
+
+from __future__ import annotations
+
+import logging
+import sqlite3
+from dataclasses import dataclass
+from importlib import resources
+from types import ModuleType
+from typing import Any
+
+from alembic import command
+from alembic.config import Config
+from alembic.util import CommandError
+from sqlalchemy import Connection, Engine, create_engine, event, make_url, text
+from sqlalchemy.engine import URL
+from sqlalchemy.exc import ArgumentError, SQLAlchemyError
+from sqlalchemy.pool import StaticPool
+
+from service.errors import InvalidDatabaseError, StorageError
+
+try:
+    from pysqlite3 import dbapi2 as bundled_sqlite
+except ImportError:  # no wheel for this platform
+    bundled_sqlite = None
+
+_log = logging.getLogger(__name__)
+
+_MIGRATION_LOCK = 7_305_001_921  # any number, the same in every process
+
+
+@dataclass(frozen=True, slots=True)
+class Database:
+    """An open database: one engine that writes, one that reads."""
+
+    writer: Engine
+    reader: Engine
+
+    @property
+    def single_writer(self) -> bool:
+        """Whether all writing must go through one connection, as on SQLite."""
+        return self.writer.dialect.name == "sqlite"
+
+    def close(self) -> None:
+        """Close all connections; the writer last, so that it is the one to checkpoint."""
+        self.reader.dispose()
+        self.writer.dispose()
+
+
+def open_database(database: str) -> Database:
+    """Open a database by its URL and bring its schema up to date.
+
+    Raises
+    ------
+    InvalidDatabaseError
+        The URL is none of `sqlite:///FILE` and `postgresql://...`.
+    StorageError
+        The file or the server cannot be reached, or its schema is not ours.
+    """
+    url = _checked(database)
+    opened = _open_sqlite(url) if url.get_backend_name() == "sqlite" else _open_postgresql(url)
+    try:
+        migrate(opened.writer)
+    except (SQLAlchemyError, CommandError) as error:
+        opened.close()
+        cause = getattr(error, "orig", None) or error
+        raise StorageError(f"the database cannot be opened: {cause}") from error
+    return opened
+
+
+def migrate(engine: Engine) -> None:
+    """Bring the schema up to date; several processes may do so at once."""
+    with engine.begin() as connection:
+        if engine.dialect.name == "postgresql":
+            lock = text("SELECT pg_advisory_xact_lock(:number)")
+            connection.execute(lock, {"number": _MIGRATION_LOCK})
+        command.upgrade(migration_config(connection), "head")
+
+
+def migration_config(connection: Connection) -> Config:
+    """Return alembic's configuration for the migrations that come with this package."""
+    config = Config()
+    config.set_main_option("script_location", str(resources.files("migrations")))
+    config.attributes["connection"] = connection
+    return config
+
+
+def _checked(database: str) -> URL:
+    try:
+        url = make_url(database)
+    except ArgumentError:
+        raise InvalidDatabaseError("the database URL cannot be read") from None
+    if url.drivername == "sqlite" and url.database not in (None, "", ":memory:"):
+        return url
+    if url.drivername in ("postgresql", "postgres", "postgresql+psycopg"):
+        return url.set(drivername="postgresql+psycopg")
+    raise InvalidDatabaseError("the database must be sqlite:///FILE or postgresql://...")
+
+
+def _open_postgresql(url: URL) -> Database:
+    writer = create_engine(url, pool_size=16, max_overflow=0, pool_pre_ping=True)
+    # one reading sees one state, however many queries it makes; on SQLite that is always so
+    return Database(writer, writer.execution_options(isolation_level="REPEATABLE READ"))
+
+
+def _open_sqlite(url: URL) -> Database:
+    driver = bundled_sqlite or sqlite3
+    journal = _journal_mode(driver)
+    options: dict[str, Any] = {"module": driver, "connect_args": {"check_same_thread": False}}
+    writer = create_engine(url, poolclass=StaticPool, **options)
+    reader = create_engine(url, pool_size=16, max_overflow=0, **options)
+    for engine, begin in ((writer, "BEGIN IMMEDIATE"), (reader, "BEGIN")):
+        _prepare_sqlite(engine, begin, journal, query_only=engine is reader)
+    return Database(writer, reader)
+
+
+def _journal_mode(driver: ModuleType) -> str:
+    """Return WAL, or DELETE for a SQLite whose WAL may corrupt a file (fixed in 3.51.3).
+
+    The fault needs two connections to one file. It was also mended in 3.44.6 and 3.50.7.
+    """
+    version = driver.sqlite_version_info
+    mended_since = {44: (3, 44, 6), 50: (3, 50, 7)}.get(version[1], (3, 51, 3))
+    if version >= mended_since:
+        return "WAL"
+    _log.warning("SQLite %s has the WAL-reset bug: using a rollback journal", driver.sqlite_version)
+    return "DELETE"
+
+
+def _prepare_sqlite(engine: Engine, begin: str, journal: str, *, query_only: bool) -> None:
+    """Make every connection durable and strict, and begin transactions explicitly."""
+
+    @event.listens_for(engine, "connect")
+    def set_up(connection: Any, _record: object) -> None:  # noqa: ANN401 -- either sqlite3 module
+        connection.isolation_level = None  # or the module would begin transactions of its own
+        connection.execute("PRAGMA busy_timeout = 5000")
+        connection.execute(f"PRAGMA journal_mode = {journal}")
+        connection.execute("PRAGMA synchronous = FULL")
+        connection.execute("PRAGMA foreign_keys = ON")
+        connection.execute(f"PRAGMA query_only = {query_only}")
+
+    @event.listens_for(engine, "begin")
+    def start(connection: Connection) -> None:
+        connection.exec_driver_sql(begin)

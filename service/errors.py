@@ -1,0 +1,228 @@
+"""Say what went wrong as `application/problem+json` (RFC 9457), with a stable `code`.
+
+Domain errors know no HTTP: `STATUS` alone maps them to statuses, and a test sees to it that it is
+complete. No answer repeats what came in, and none shows the inside of the server.
+"""
+
+from __future__ import annotations
+
+from typing import Any, ClassVar
+
+import orjson
+from fastapi import FastAPI, Request, Response
+from fastapi.exceptions import RequestValidationError
+from sqlalchemy.exc import DBAPIError
+from sqlalchemy.exc import TimeoutError as PoolTimeoutError
+from starlette.exceptions import HTTPException
+
+from semtopo.errors import (
+    InvalidInputError,
+    InvalidMapError,
+    NoRouteError,
+    SemtopoError,
+    UnknownZoneError,
+)
+
+
+class UnknownSessionError(SemtopoError):
+    """No session has that id."""
+
+    code: ClassVar[str] = "unknown_session"
+
+
+class UnknownStepError(SemtopoError):
+    """The session has not taken that step yet."""
+
+    code: ClassVar[str] = "unknown_step"
+
+
+class NoWorldError(SemtopoError):
+    """A step without a scan was sent to a session that has no world to sense."""
+
+    code: ClassVar[str] = "no_world"
+
+
+class SequenceGapError(SemtopoError):
+    """A step's `seq` is beyond the next one."""
+
+    code: ClassVar[str] = "sequence_gap"
+
+    def __init__(self, expected: int) -> None:
+        """Name the `seq` that may come next."""
+        super().__init__(f"the next step of this session is {expected}")
+        self.expected = expected
+
+
+class SequenceReusedError(SemtopoError):
+    """A step's `seq` was taken already, with another input."""
+
+    code: ClassVar[str] = "sequence_reused"
+
+
+class KeyReusedError(SemtopoError):
+    """An Idempotency-Key was used already, with another input."""
+
+    code: ClassVar[str] = "key_reused"
+
+
+class VersionMismatchError(SemtopoError):
+    """The map is no longer the one that If-Match names."""
+
+    code: ClassVar[str] = "version_mismatch"
+
+
+class InvalidRequestError(InvalidInputError):
+    """A header or parameter that cannot be used."""
+
+    code: ClassVar[str] = "invalid_request"
+
+
+class UnauthorizedError(SemtopoError):
+    """The request brought no valid API key."""
+
+    code: ClassVar[str] = "unauthorized"
+
+
+class InvalidKeyNameError(InvalidInputError):
+    """An API key cannot have that name."""
+
+    code: ClassVar[str] = "invalid_key_name"
+
+
+class UnknownKeyError(SemtopoError):
+    """No valid API key has that name."""
+
+    code: ClassVar[str] = "unknown_key"
+
+
+class InvalidDatabaseError(InvalidInputError):
+    """A database URL that cannot be used."""
+
+    code: ClassVar[str] = "invalid_database"
+
+
+class BusyError(SemtopoError):
+    """Too many steps are waiting; come again."""
+
+    code: ClassVar[str] = "busy"
+
+
+class StorageError(SemtopoError):
+    """The database did not take the change; the same request may be sent again."""
+
+    code: ClassVar[str] = "storage_unavailable"
+
+
+STATUS: dict[type[SemtopoError], int] = {
+    UnknownSessionError: 404,
+    UnknownStepError: 404,
+    UnknownZoneError: 404,
+    UnauthorizedError: 401,
+    UnknownKeyError: 404,
+    NoRouteError: 409,
+    NoWorldError: 409,
+    SequenceGapError: 409,
+    SequenceReusedError: 422,
+    KeyReusedError: 422,
+    VersionMismatchError: 412,
+    InvalidInputError: 422,
+    InvalidMapError: 500,
+    InvalidDatabaseError: 500,
+    BusyError: 503,
+    StorageError: 503,
+}
+"""The status of each error; a class that is not listed has that of its nearest listed base."""
+
+ERRORS_MAX = 10
+"""How many mistakes of one request are named."""
+
+_RETRY_AFTER = {"Retry-After": "1"}
+
+_HEADERS = {401: {"WWW-Authenticate": "Bearer"}, 503: _RETRY_AFTER}
+
+_DOCUMENT_CODES = {
+    "world": "invalid_world",
+    "sensor": "invalid_sensor",
+    "mapping": "invalid_option",
+    "pose": "invalid_pose",
+    "scan": "invalid_scan",
+    "text": "invalid_question",
+}
+"""The code of a mistake in the shape of a request, by the part of the body that it is in."""
+
+_PLAIN_CODES = {
+    400: "malformed_request",
+    404: "not_found",
+    405: "method_not_allowed",
+    413: "body_too_large",
+    415: "unsupported_media_type",
+}
+
+
+class Problem(Response):
+    """An error as `application/problem+json`."""
+
+    media_type = "application/problem+json"
+
+    def __init__(
+        self, status: int, code: str, detail: str, headers: dict[str, str] | None = None,
+        **more: Any,  # noqa: ANN401 -- RFC 9457 lets a problem have members of any kind
+    ) -> None:  # fmt: skip
+        """Write the problem; `more` are its further members."""
+        body = {"type": f"urn:semtopo:{code}", "title": code.replace("_", " ").capitalize()}
+        content = orjson.dumps({**body, "status": status, "code": code, "detail": detail, **more})
+        super().__init__(content, status, headers)
+
+
+def status_of(error: type[SemtopoError]) -> int:
+    """Return the status of an error class, by its nearest base that has one."""
+    return next(STATUS[base] for base in error.__mro__ if base in STATUS)
+
+
+def register(app: FastAPI) -> None:
+    """Let an application answer every error as a problem."""
+    app.add_exception_handler(SemtopoError, _domain_problem)
+    app.add_exception_handler(RequestValidationError, _request_problem)
+    app.add_exception_handler(HTTPException, _plain_problem)
+    app.add_exception_handler(DBAPIError, _storage_problem)
+    app.add_exception_handler(PoolTimeoutError, _storage_problem)
+    app.add_exception_handler(Exception, _unforeseen_problem)
+
+
+async def _domain_problem(_request: Request, error: Exception) -> Problem:
+    assert isinstance(error, SemtopoError)  # noqa: S101 -- registered for nothing else
+    status = status_of(type(error))
+    more = {"expected": error.expected} if isinstance(error, SequenceGapError) else {}
+    headers = _HEADERS.get(status)
+    return Problem(status, error.code, str(error), headers, **more)
+
+
+async def _request_problem(_request: Request, error: Exception) -> Problem:
+    assert isinstance(error, RequestValidationError)  # noqa: S101 -- registered for nothing else
+    found = error.errors()[:ERRORS_MAX]
+    if found[0]["type"] == "json_invalid":
+        return Problem(400, "malformed_json", "the body is not JSON")
+    mistakes = [
+        {"at": [str(part)[:40] for part in one["loc"][:8]], "what": one["msg"][:200]}
+        for one in found
+    ]
+    place = next((part for part in found[0]["loc"][1:] if part in _DOCUMENT_CODES), None)
+    code = _DOCUMENT_CODES.get(str(place), InvalidRequestError.code)
+    where = ".".join(mistakes[0]["at"])
+    return Problem(422, code, f"{where}: {mistakes[0]['what']}", errors=mistakes)
+
+
+async def _plain_problem(_request: Request, error: Exception) -> Problem:
+    assert isinstance(error, HTTPException)  # noqa: S101 -- registered for nothing else
+    code = _PLAIN_CODES.get(error.status_code, "refused")
+    headers = dict(error.headers) if error.headers else None
+    return Problem(error.status_code, code, code.replace("_", " "), headers)
+
+
+async def _storage_problem(_request: Request, _error: Exception) -> Problem:
+    detail = "the database does not answer; the same request may be sent again"
+    return Problem(503, StorageError.code, detail, _RETRY_AFTER)
+
+
+async def _unforeseen_problem(_request: Request, _error: Exception) -> Problem:
+    return Problem(500, "internal_error", "this is a fault of the server; it has been logged")

@@ -1,0 +1,28 @@
+"""Make the example ready: a session that has been driven already, to be looked at and asked."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+from semtopo import PoseDocument, WorldDocument
+from semtopo.formats.path import read_path
+from service.errors import UnknownSessionError
+from service.routes import new_session, step_request
+from service.schemas import SessionRequest, StepDocument
+from service.sessions import Sessions
+
+SESSION_ID = "example"
+
+
+async def make_example(sessions: Sessions, folder: Path) -> None:
+    """Drive the path of a folder through its world, as far as that was not done before."""
+    world = WorldDocument.model_validate_json((folder / "world.json").read_bytes())
+    path = read_path((folder / "path.csv").read_bytes())
+    try:
+        driven = (await sessions.find(SESSION_ID)).state.seq
+    except UnknownSessionError:
+        await sessions.create(new_session(SESSION_ID, SessionRequest(world=world)))
+        driven = 0
+    for pose in path[driven:]:
+        document = StepDocument(pose=PoseDocument(x=pose.x, y=pose.y, theta=pose.theta))
+        await sessions.step(SESSION_ID, step_request(document))

@@ -1,0 +1,143 @@
+"""Map a whole drive into a folder: what `semtopo map` does once its arguments are understood.
+
+In come a world with a path, or a recording, as files; out goes a folder with zones.geojson,
+graph.json, steps.jsonl and map.svg. The folder changes only when all of them are complete.
+"""
+
+from __future__ import annotations
+
+import os
+import tempfile
+from collections.abc import Callable, Iterable, Iterator
+from contextlib import contextmanager, suppress
+from dataclasses import dataclass
+from functools import partial
+from pathlib import Path
+
+from semtopo import codec
+from semtopo.errors import InvalidInputError
+from semtopo.formats import count_scans, read_path, read_recording, read_world
+from semtopo.mapper import MapState, Stage, Step, scan_world, step
+from semtopo.render import render
+from semtopo.runs import LabelledRuns, from_runs
+from semtopo.scan import Scan
+from semtopo.sensor import Sensor
+from semtopo.types import MappingOptions, Point, Pose
+from service.stopwatch import Stopwatch
+
+ZONES, GRAPH, STEPS, PICTURE = "zones.geojson", "graph.json", "steps.jsonl", "map.svg"
+
+Look = tuple[Point, Callable[[Callable[[Stage], None]], Scan]]
+"""A position in m, and what gives the scan taken there; it is told whom to tell of its stages."""
+
+
+@dataclass(frozen=True, slots=True)
+class Drive:
+    """The scans of a drive, one after the other, and how many there are."""
+
+    count: int
+    looks: Iterable[Look]
+
+
+@dataclass(frozen=True, slots=True)
+class TimedStep:
+    """A step, the position in m where it was taken, and how long each stage took."""
+
+    step: Step
+    position: Point
+    timings_ms: dict[str, float]
+
+
+def simulated_drive(world_file: Path, path_file: Path, sensor: Sensor) -> Drive:
+    """Return the drive of a simulated robot along a path through a world."""
+    with naming(world_file):
+        world = read_world(world_file.read_bytes())
+    with naming(path_file):
+        path = read_path(path_file.read_bytes())
+    looks = [(pose.position, partial(scan_world, world, sensor, pose.position)) for pose in path]
+    return Drive(len(path), looks)
+
+
+def recorded_drive(scans_file: Path) -> Drive:
+    """Return the drive of a real robot; its scans are read one by one, as they are needed."""
+    content = scans_file.read_bytes()
+    with naming(scans_file):
+        count = count_scans(content)
+    return Drive(count, _recorded_looks(scans_file, content))
+
+
+def _recorded_looks(scans_file: Path, content: bytes) -> Iterator[Look]:
+    with naming(scans_file):
+        for pose, seen in read_recording(content):
+            yield pose.position, partial(_recorded_scan, pose, seen)
+
+
+def _recorded_scan(pose: Pose, seen: LabelledRuns, ended: Callable[[Stage], None]) -> Scan:
+    scan = from_runs(pose, seen)
+    ended(Stage.ANALYSIS)  # nothing was measured here
+    return scan
+
+
+@contextmanager
+def naming(file: Path) -> Iterator[None]:
+    """Begin the text of an error about input with the file that it came from."""
+    try:
+        yield
+    except InvalidInputError as error:
+        raise type(error)(f"{file}: {error}") from None
+
+
+def timed_steps(looks: Iterable[Look], options: MappingOptions) -> Iterator[TimedStep]:
+    """Take the scans of a drive into an empty map one by one (Alg. 1), and time each step."""
+    state = MapState()
+    for position, look in looks:
+        watch = Stopwatch()
+        taken = step(state, look(watch.ended), options, watch.ended)
+        yield TimedStep(taken, position, watch.timings_ms())
+        state = taken.state
+
+
+def write_map(steps: Iterable[TimedStep], directory: Path) -> MapState:
+    """Take all steps, write the four files of their map into a folder, and return the map."""
+    state, path, lines = MapState(), [], []
+    with replaced_together(directory) as folder:
+        for taken in steps:
+            state = taken.step.state
+            path.append(taken.position)
+            lines.append(_step_line(taken))
+        (folder / ZONES).write_bytes(codec.zones_body(state))
+        (folder / GRAPH).write_bytes(codec.graph_body(state.graph, state.seq))
+        (folder / STEPS).write_bytes(b"".join(lines))
+        (folder / PICTURE).write_text(render(state, path=path), encoding="utf-8")
+    return state
+
+
+def read_map(directory: Path) -> MapState:
+    """Read back a map that `write_map` wrote."""
+    return codec.read_map((directory / ZONES).read_bytes(), (directory / GRAPH).read_bytes())
+
+
+def _step_line(taken: TimedStep) -> bytes:
+    document = {**codec.step_document(taken.step), "timings_ms": taken.timings_ms}
+    return codec.to_json(document) + b"\n"
+
+
+@contextmanager
+def replaced_together(directory: Path) -> Iterator[Path]:
+    """Give an empty folder; if all went well, its files move into `directory`, else they vanish.
+
+    `directory` is made if need be. That it cannot be written to comes out at once.
+    """
+    is_new = not directory.exists()
+    directory.mkdir(parents=True, exist_ok=True)
+    try:
+        with tempfile.TemporaryDirectory(prefix=".semtopo-", dir=directory) as name:
+            folder = Path(name)
+            yield folder
+            for file in sorted(folder.iterdir()):
+                os.replace(file, directory / file.name)  # noqa: PTH105 -- replaces atomically
+    except BaseException:
+        if is_new:
+            with suppress(OSError):
+                directory.rmdir()
+        raise

@@ -1,0 +1,38 @@
+"""Say how a service runs: from arguments, else from environment variables `SEMTOPO_...`."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+from pydantic import Field
+from pydantic_settings import BaseSettings, SettingsConfigDict
+
+
+class Settings(BaseSettings):
+    """Where to listen, where to store, and how much to bear."""
+
+    model_config = SettingsConfigDict(env_prefix="SEMTOPO_", frozen=True)
+
+    host: str = "127.0.0.1"
+    port: int = Field(default=8000, ge=0, le=65_535)
+    database: str = "sqlite:///semtopo.db"
+    example: Path | None = None
+    """A folder with world.json and path.csv, made ready as the session `example`."""
+
+    keys: bool = False
+    """Whether every request must bring an API key."""
+
+    open: bool = False
+    """Whether to listen beyond this machine without asking for keys."""
+
+    body_bytes_max: int = Field(default=4 * 2**20, ge=1024)
+    """The largest request body: a scan of 4,000 beams is below 1 MiB."""
+
+    hot_sessions_max: int = Field(default=256, ge=1)
+    """How many maps stay in memory; a map of 5,000 border points takes about 0.3 MB."""
+
+    cached_bodies_max: int = Field(default=512, ge=1)
+    """How many zone and graph bodies stay in memory."""
+
+    queue_max: int = Field(default=1_000, ge=1)
+    """How many steps may wait; the next one is asked to come again."""

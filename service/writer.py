@@ -1,0 +1,184 @@
+"""Commit changes in the order in which they were handed in, several in one transaction.
+
+SQLite has one write lock, and waiting for it is unfair and slow; so all changes go through one
+thread, which takes what has gathered while it was busy and commits it at once (group commit).
+PostgreSQL locks rows, so there each change has a transaction of its own, on several threads.
+"""
+
+from __future__ import annotations
+
+import asyncio
+import queue
+import threading
+from collections.abc import Callable
+from concurrent.futures import Future, ThreadPoolExecutor
+from typing import Any, Protocol, TypeVar
+
+from sqlalchemy import Connection, Engine
+from sqlalchemy.exc import SQLAlchemyError
+
+from service.database import Database
+from service.errors import BusyError, StorageError
+
+Result = TypeVar("Result")
+Change = Callable[[Connection], Any]
+
+GROUP_MAX = 64
+"""Changes in one transaction; more would make the first of them wait too long."""
+
+WRITERS = 8
+"""Threads that write to PostgreSQL; each holds one connection while it works."""
+
+
+class Writer(Protocol):
+    """Something that commits changes."""
+
+    async def commit(self, change: Callable[[Connection], Result]) -> Result:
+        """Run a change in a transaction, commit it, and return its result.
+
+        Raises
+        ------
+        BusyError
+            Too many changes are waiting; this one was not taken.
+        StorageError
+            The database failed. Most likely the change was not made; only asking can tell.
+        """
+        ...
+
+    def close(self) -> None:
+        """Finish what was handed in, and stop."""
+        ...
+
+
+def open_writer(database: Database, queue_max: int) -> Writer:
+    """Return the writer that suits a database."""
+    if database.single_writer:
+        return GroupWriter(database.writer, queue_max)
+    return PoolWriter(database.writer, queue_max)
+
+
+class GroupWriter:
+    """One thread and one connection, which commit in groups."""
+
+    def __init__(self, engine: Engine, queue_max: int) -> None:
+        """Start the thread."""
+        self._engine = engine
+        self._waiting: queue.Queue[tuple[Change, Future[Any]] | None] = queue.Queue(queue_max)
+        self._thread = threading.Thread(target=self._work, name="writer")
+        self._thread.start()
+
+    async def commit(self, change: Callable[[Connection], Result]) -> Result:
+        """Run a change together with others that are waiting; see `Writer`."""
+        future: Future[Result] = Future()
+        try:
+            self._waiting.put_nowait((change, future))
+        except queue.Full:
+            raise BusyError("too many steps are waiting to be stored") from None
+        return await asyncio.wrap_future(future)
+
+    def close(self) -> None:
+        """Finish what was handed in, and stop the thread."""
+        self._waiting.put(None)
+        self._thread.join()
+
+    def _work(self) -> None:
+        """Take group after group, until the mark that ends the work."""
+        while True:
+            group = [self._waiting.get()]
+            while len(group) < GROUP_MAX and not self._waiting.empty():
+                group.append(self._waiting.get())
+            work = [item for item in group if item is not None]
+            if work and not _commit_together(self._engine, work):
+                # one bad change must not fail the others
+                for item in work:
+                    _commit_alone(self._engine, *item)
+            if len(work) < len(group):
+                return
+
+
+class PoolWriter:
+    """Several threads, and a transaction for each change."""
+
+    def __init__(self, engine: Engine, queue_max: int) -> None:
+        """Make the threads."""
+        self._engine = engine
+        self._pool = ThreadPoolExecutor(WRITERS, thread_name_prefix="writer")
+        self._free = queue_max
+
+    async def commit(self, change: Callable[[Connection], Result]) -> Result:
+        """Run a change in a transaction of its own; see `Writer`."""
+        if self._free <= 0:
+            raise BusyError("too many steps are waiting to be stored")
+        self._free -= 1
+        try:
+            future: Future[Result] = Future()
+            self._pool.submit(_commit_alone, self._engine, change, future)
+            return await asyncio.wrap_future(future)
+        finally:
+            self._free += 1
+
+    def close(self) -> None:
+        """Finish what was handed in, and stop the threads."""
+        self._pool.shutdown()
+
+
+class _SpoiltError(Exception):
+    """One change of a group failed, so nothing of the group was made."""
+
+
+def _commit_together(engine: Engine, work: list[tuple[Change, Future[Any]]]) -> bool:
+    """Run all changes in one transaction; return False if one of them spoilt it for all."""
+    try:
+        with engine.begin() as connection:
+            results = _run_all(connection, [change for change, _ in work])
+    except _SpoiltError:
+        return False
+    except _database_errors(engine) as error:
+        for _, future in work:
+            _fail(future, _storage_failure(error))
+    else:
+        for (_, future), result in zip(work, results, strict=True):
+            _settle(future, result)
+    return True
+
+
+def _run_all(connection: Connection, changes: list[Change]) -> list[Any]:
+    try:
+        return [change(connection) for change in changes]
+    except Exception as error:
+        raise _SpoiltError from error
+
+
+def _commit_alone(engine: Engine, change: Change, future: Future[Any]) -> None:
+    """Run one change in a transaction of its own, and pass on how it ended."""
+    try:
+        with engine.begin() as connection:
+            result = change(connection)
+    except _database_errors(engine) as error:
+        _fail(future, _storage_failure(error))
+    except Exception as error:  # noqa: BLE001 -- the thread must live; the caller is told
+        _fail(future, error)
+    else:
+        _settle(future, result)
+
+
+def _database_errors(engine: Engine) -> tuple[type[Exception], ...]:
+    """Return the errors of SQLAlchemy and of the driver below it."""
+    driver = engine.dialect.dbapi
+    return (SQLAlchemyError,) if driver is None else (SQLAlchemyError, driver.Error)
+
+
+def _storage_failure(error: Exception) -> StorageError:
+    failure = StorageError("the database did not take the change; it may be sent again")
+    failure.__cause__ = error
+    return failure
+
+
+def _settle(future: Future[Any], result: object) -> None:
+    if future.set_running_or_notify_cancel():
+        future.set_result(result)
+
+
+def _fail(future: Future[Any], error: Exception) -> None:
+    if future.set_running_or_notify_cancel():
+        future.set_exception(error)
