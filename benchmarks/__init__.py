@@ -1,0 +1,1 @@
+"""Measure: ratios within one run, on the machine where they are run."""

@@ -1,0 +1,77 @@
+"""Load a server on loopback: clients that post one request after the other, and time each."""
+
+from __future__ import annotations
+
+import asyncio
+import time
+from collections.abc import Callable
+from dataclasses import dataclass
+
+HOST = "127.0.0.1"
+
+
+@dataclass(frozen=True, slots=True)
+class Load:
+    """How long requests took, in ms, sorted; and how long all of it took, in s."""
+
+    times: list[float]
+    seconds: float
+
+    def percentile(self, share: float) -> float:
+        """Return the time in ms within which this share of the requests was answered."""
+        return self.times[min(len(self.times) - 1, int(share * len(self.times)))]
+
+    @property
+    def rate(self) -> float:
+        """Requests a second."""
+        return len(self.times) / self.seconds
+
+
+def request_bytes(method: str, path: str, body: bytes = b"") -> bytes:
+    """Return a request as it goes over the wire."""
+    head = (
+        f"{method} {path} HTTP/1.1\r\nHost: {HOST}\r\n"
+        f"Content-Type: application/json\r\nContent-Length: {len(body)}\r\n\r\n"
+    )
+    return head.encode() + body
+
+
+async def exchange(
+    reader: asyncio.StreamReader, writer: asyncio.StreamWriter, request: bytes
+) -> tuple[int, bytes]:
+    """Send a request, and return the status and the body of its answer."""
+    writer.write(request)
+    head = (await reader.readuntil(b"\r\n\r\n")).lower()
+    length = int(head.split(b"content-length: ")[1].split(b"\r\n")[0])
+    return int(head[9:12]), await reader.readexactly(length)
+
+
+async def _client(
+    port: int, requests: Callable[[int], bytes], numbers: range, expected: int
+) -> list[float]:
+    reader, writer = await asyncio.open_connection(HOST, port)
+    times = []
+    for number in numbers:
+        request = requests(number)
+        begun = time.perf_counter()
+        status, body = await exchange(reader, writer, request)
+        times.append(1000 * (time.perf_counter() - begun))
+        if status != expected:
+            raise RuntimeError(f"unexpected answer {status}: {body[:200]!r}")
+    writer.close()
+    return times
+
+
+def run(
+    port: int, requests: Callable[[int], bytes], *, clients: int, count: int, expected: int = 201
+) -> Load:
+    """Send `count` requests from several clients at once, each one after the other."""
+
+    async def all_clients() -> list[list[float]]:
+        shares = [range(first, count, clients) for first in range(clients)]
+        work = [_client(port, requests, share, expected) for share in shares]
+        return await asyncio.gather(*work)
+
+    begun = time.perf_counter()
+    groups = asyncio.run(all_clients())
+    return Load(sorted(t for group in groups for t in group), time.perf_counter() - begun)

@@ -1,0 +1,107 @@
+"""A real robot in a real building: Freiburg 079, with edges between neighbours only (R15).
+
+The recording may not be copied into the repository; without the folder beside it that holds it,
+these tests are skipped.
+"""
+
+from __future__ import annotations
+
+import gzip
+import json
+import math
+from collections.abc import Iterator
+from functools import cache
+from itertools import pairwise
+from pathlib import Path
+
+import pytest
+
+from semtopo.mapper import Step, run
+from semtopo.runs import LabelledRuns, from_runs
+from semtopo.scan import Scan
+from semtopo.types import Edges, Kind, MappingOptions, Point, Pose
+
+SCANS = Path(__file__).parents[2] / "shared" / "data" / "freiburg079" / "scans.jsonl.gz"
+
+pytestmark = [
+    pytest.mark.slow,
+    pytest.mark.skipif(
+        not SCANS.exists(), reason=f"{SCANS} is not at hand: no real building was mapped"
+    ),
+]
+
+DRIVEN = [("corridor", f"room-{n}") for n in (8, 11, 14, 7, 4)] + [("room-8", "room-6")]
+DOORS = {frozenset(("corridor", f"room-{n}")) for n in range(2, 16)} | {
+    frozenset(("room-5", "room-9")),
+    frozenset(("room-6", "room-8")),
+    frozenset(("room-6", "room-15")),
+}
+
+
+def recorded() -> Iterator[tuple[Pose, Scan]]:
+    """Yield the poses of the drive, and what was seen from them."""
+    with gzip.open(SCANS, "rt") as lines:
+        for told in map(json.loads, lines):
+            pose, seen = Pose(**told["pose"]), told["scan"]
+            kinds = {label: Kind[kind.upper()] for label, kind in seen.pop("kinds").items()}
+            yield pose, from_runs(pose, LabelledRuns(**seen, kinds=kinds))
+
+
+@cache
+def drive() -> tuple[list[Pose], list[Step]]:
+    """Return the poses of the drive, and the steps of the mapper."""
+    poses, scans = zip(*recorded(), strict=True)
+    return list(poses), list(run(scans, MappingOptions(edges=Edges.ADJACENT)))
+
+
+def passages() -> dict[tuple[str, str], Point]:
+    """Return the point of each passage that was found."""
+    _, steps = drive()
+    return {pair: passage.point for pair, passage in steps[-1].state.graph.passages.items()}
+
+
+def openings(one: str, other: str) -> list[Point]:
+    """Return where the robot drove from one zone into the other, either way."""
+    poses, steps = drive()
+    return [
+        ((first.x + second.x) / 2, (first.y + second.y) / 2)
+        for (first, before), (second, after) in pairwise(zip(poses, steps, strict=True))
+        if {before.here, after.here} == {one, other}
+    ]
+
+
+def test_every_room_is_found() -> None:
+    _, steps = drive()
+    rooms = {f"room-{n}" for n in range(2, 16)}
+    assert steps[-1].state.graph.nodes.keys() == {"corridor", *rooms}
+    assert len(steps) == 650
+
+
+@pytest.mark.parametrize(("one", "other"), DRIVEN)
+def test_a_driven_door_is_an_edge_both_ways(one: str, other: str) -> None:
+    assert {(one, other), (other, one)} <= passages().keys()
+
+
+def test_no_edge_where_there_is_no_door() -> None:
+    assert {frozenset(pair) for pair in passages()} <= DOORS
+
+
+@pytest.mark.parametrize(("one", "other"), DRIVEN)
+def test_the_robot_drove_through_there_and_back(one: str, other: str) -> None:
+    assert len(openings(one, other)) == 2
+    assert math.dist(*openings(one, other)) < 1.5
+
+
+@pytest.mark.parametrize(("one", "other"), [*DRIVEN, *((b, a) for a, b in DRIVEN)])
+def test_the_point_of_a_driven_door_lies_where_the_robot_drove(one: str, other: str) -> None:
+    point = passages()[one, other]
+    assert min(math.dist(point, opening) for opening in openings(one, other)) < 1.0
+
+
+def test_the_map_is_sound_at_the_end_of_a_long_drive() -> None:
+    _, steps = drive()
+    state = steps[-1].state
+    assert list(state.metric.zones) == list(state.graph.nodes)
+    for zone in state.metric.zones.values():
+        assert zone.region.is_valid
+        assert zone.region.area > 0

@@ -1,0 +1,94 @@
+"""The few facts about polygons, on specimens small enough to see."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable
+from typing import TypeAlias
+
+import numpy as np
+import pytest
+import shapely
+from shapely import GeometryCollection, LineString, MultiPolygon, Polygon, box
+
+from semtopo import geometry
+from semtopo.types import Point
+
+Join: TypeAlias = Callable[[geometry.Polygons], geometry.Region]
+
+UNIT = box(0, 0, 1, 1)
+FAR = box(5, 0, 6, 1)
+RING = box(0, 0, 4, 4).difference(box(1, 1, 3, 3))
+
+
+def polygons(*parts: Polygon) -> geometry.Polygons:
+    return np.array(parts, dtype=np.object_)
+
+
+@pytest.mark.parametrize("region", [UNIT, RING, MultiPolygon([UNIT, FAR])])
+def test_polygonal_keeps_a_region(region: geometry.Region) -> None:
+    assert geometry.polygonal(region) is region
+
+
+def test_polygonal_drops_lines_and_points() -> None:
+    mixed = GeometryCollection([UNIT, LineString([(0, 0), (9, 9)]), shapely.Point(7, 7), FAR])
+    assert geometry.polygonal(mixed).equals(MultiPolygon([UNIT, FAR]))
+
+
+@pytest.mark.parametrize("join", [geometry.union, geometry.coverage_union])
+def test_union_of_neighbours_is_one_polygon(join: Join) -> None:
+    joined = join(polygons(UNIT, box(1, 0, 2, 1)))
+    assert joined.geom_type == "Polygon"
+    assert joined.area == 2
+
+
+@pytest.mark.parametrize("join", [geometry.union, geometry.coverage_union])
+def test_union_of_what_does_not_meet_has_two_parts(join: Join) -> None:
+    joined = join(polygons(UNIT, FAR))
+    assert joined.geom_type == "MultiPolygon"
+    assert joined.area == 2
+
+
+def test_union_takes_overlaps() -> None:
+    assert geometry.union(polygons(UNIT, box(0.5, 0, 1.5, 1))).area == 1.5
+
+
+def test_fuse_is_the_union() -> None:
+    fused = geometry.fuse(UNIT, box(0.5, 0, 1.5, 1))
+    assert fused.equals(box(0, 0, 1.5, 1))
+
+
+def test_fuse_may_close_a_ring() -> None:
+    left, right = RING.intersection(box(0, 0, 2, 4)), RING.intersection(box(2, 0, 4, 4))
+    fused = geometry.fuse(geometry.polygonal(left), geometry.polygonal(right))
+    assert isinstance(fused, Polygon)
+    assert len(fused.interiors) == 1
+
+
+@pytest.mark.parametrize("addition", [UNIT, box(0.2, 0.2, 0.8, 0.8), box(1, 0, 1 + 1e-12, 1)])
+def test_fuse_without_gain_is_the_same_object(addition: Polygon) -> None:
+    assert geometry.fuse(UNIT, addition) is UNIT
+
+
+@pytest.mark.parametrize(
+    ("region", "position", "wanted"),
+    [
+        (UNIT, (2, 0.5), (1, 0.5)),
+        (UNIT, (2, 2), (1, 1)),
+        (UNIT, (0.25, 0.5), (0.25, 0.5)),
+        (RING, (2, 1.5), (2, 1)),
+        (RING, (0.5, 0.5), (0.5, 0.5)),
+        (MultiPolygon([UNIT, FAR]), (4, 0.5), (5, 0.5)),
+    ],
+)
+def test_nearest_point(region: geometry.Region, position: Point, wanted: Point) -> None:
+    assert geometry.nearest_point(region, position) == wanted
+
+
+def test_vertices_are_recognised_to_the_last_bit() -> None:
+    points = np.array([(0, 0), (1, 1), (0.5, 0), (1, math.nextafter(1, 2)), (0, 1)])
+    assert geometry.vertex_flags(points, UNIT).tolist() == [True, True, False, False, True]
+
+
+def test_no_points_are_no_vertices() -> None:
+    assert geometry.vertex_flags(np.empty((0, 2)), UNIT).tolist() == []

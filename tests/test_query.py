@@ -1,0 +1,154 @@
+"""Questions in words: which are understood, what they mean, and how the answer reads."""
+
+from __future__ import annotations
+
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+from semtopo.errors import InvalidQuestionError, NoRouteError, UnknownZoneError
+from semtopo.graph import Node, Passage, TopologyGraph
+from semtopo.mapper import MapState
+from semtopo.query import PathQuestion, answer, describe, find_zone, parse
+from semtopo.route import Route
+
+
+@pytest.mark.parametrize(
+    ("text", "source", "target"),
+    [
+        ("path from corridor to C", "corridor", "C"),
+        ("Path from corridor to C.", "corridor", "C"),
+        ("PATH FROM corridor TO C", "corridor", "C"),
+        ("the path from a to b?", "a", "b"),
+        ("A path from a to b!", "a", "b"),
+        ("  path   from   a   to   b  ", "a", "b"),
+        ("path\tfrom a\nto b", "a", "b"),
+        ("path from living room to kitchen", "living room", "kitchen"),
+        ('path from "living room" to "the kitchen"', "living room", "the kitchen"),
+        ('path from "way to go" to b', "way to go", "b"),
+        ('path from a to "way to go"', "a", "way to go"),
+        ('path from "a to b" to "c to d"?', "a to b", "c to d"),
+        ('path from "path from x to y" to z', "path from x to y", "z"),
+        ("path from Küche to 厨房", "Küche", "厨房"),
+        ("path from 🤖 to é", "🤖", "é"),
+        ("path from a to to b", "a", "to b"),
+        ("path from tomato to potato", "tomato", "potato"),
+        ("path from r1-1 to r1-2", "r1-1", "r1-2"),
+        ('path from "C." to "D?"', "C.", "D?"),
+        ('path from " a " to b', "a", "b"),
+        ("path from O'Brien's to b", "O'Brien's", "b"),
+        ("path from a to a", "a", "a"),
+        ("path from path to from", "path", "from"),
+        ("path from a to b to", "a", "b to"),
+    ],
+)
+def test_forms_that_are_understood(text: str, source: str, target: str) -> None:
+    assert parse(text) == PathQuestion(source, target)
+
+
+@pytest.mark.parametrize(
+    "text",
+    ["", " ", "path", "path from", "path from a", "path from a to", "path from a to ", "path to b",
+     "path from to b", "route from a to b", "how do I get from a to b", "path from a b",
+     "patha from a to b",     "path froma to b", "path from ato b", "from a to b", '"path from a to b"'],
+)  # fmt: skip
+def test_forms_that_are_not(text: str) -> None:
+    with pytest.raises(InvalidQuestionError):
+        parse(text)
+
+
+names = st.text(
+    st.characters(exclude_categories=["C", "Z"], exclude_characters='"'), min_size=1, max_size=12
+)
+
+
+@given(source=names, target=names)
+def test_any_name_may_stand_in_quotes(source: str, target: str) -> None:
+    assert parse(f'path from "{source}" to "{target}"') == PathQuestion(source, target)
+
+
+@given(st.text(max_size=60))
+def test_no_text_breaks_it(text: str) -> None:
+    for question in (text, f"path from {text}", f"path from {text} to {text}"):
+        try:
+            parse(question)
+        except InvalidQuestionError:
+            continue
+
+
+@pytest.mark.parametrize(
+    ("known", "name", "found"),
+    [
+        (["corridor", "C"], "corridor", "corridor"),
+        (["corridor", "C"], "c", "C"),
+        (["corridor", "C"], "CORRIDOR", "corridor"),
+        (["c", "C"], "c", "c"),
+        (["c", "C"], "C", "C"),
+        (["Straße"], "STRASSE", "Straße"),
+        (["ΣΙΓΜΑΣ"], "σιγμας", "ΣΙΓΜΑΣ"),
+    ],
+)
+def test_case_matters_only_where_two_differ_in_nothing_else(
+    known: list[str], name: str, found: str
+) -> None:
+    assert find_zone(known, name) == found
+
+
+@pytest.mark.parametrize(
+    ("known", "name"), [([], "a"), (["a"], "b"), (["Ab", "aB"], "ab"), (["a"], ""), (["a"], "a ")]
+)
+def test_names_that_mean_nothing(known: list[str], name: str) -> None:
+    with pytest.raises(UnknownZoneError):
+        find_zone(iter(known), name)
+
+
+def state(*edges: tuple[str, str, tuple[float, float]]) -> MapState:
+    zones = dict.fromkeys(zone for source, target, _ in edges for zone in (source, target))
+    nodes = {zone: Node(zone, zone, 1) for zone in zones}
+    passages = {(source, target): Passage(source, target, it, 1) for source, target, it in edges}
+    return MapState(1, graph=TopologyGraph(nodes, passages))
+
+
+HOME = state(
+    ("hall", "bath", (1.0, 2.0)), ("hall", "living room", (4.0, 6.0)),
+    ("bath", "hall", (1.0, 2.26)), ("living room", "Balcony", (-1.0, 12.345)),
+)  # fmt: skip
+
+
+@pytest.mark.parametrize(
+    ("question", "sentence"),
+    [
+        ("path from hall to hall", "You are in hall already."),
+        ("path from bath to HALL", "Leave bath at (1.0, 2.3) into hall: 1 passage."),
+        (
+            "path from bath to living room",
+            "Leave bath at (1.0, 2.3) into hall, then leave hall at (4.0, 6.0) into living room: "
+            "2 passages, 4.8 m between them.",
+        ),
+        (
+            "path from hall to balcony",
+            "Leave hall at (4.0, 6.0) into living room, then leave living room at (-1.0, 12.3) "
+            "into Balcony: 2 passages, 8.1 m between them.",
+        ),
+    ],
+)
+def test_answers_read_as_sentences(question: str, sentence: str) -> None:
+    found = answer(HOME, question)
+    assert found.sentence == sentence == describe(found.route)
+
+
+def test_an_answer_holds_the_route() -> None:
+    found = answer(HOME, 'path from "BATH" to "living room"').route
+    assert isinstance(found, Route)
+    assert found.zones == ("bath", "hall", "living room")
+
+
+def test_answers_that_cannot_be_given() -> None:
+    with pytest.raises(UnknownZoneError):
+        answer(HOME, "path from hall to kitchen")
+    with pytest.raises(NoRouteError):
+        answer(HOME, "path from balcony to hall")
+    with pytest.raises(InvalidQuestionError):
+        answer(HOME, "where is the kitchen?")
+    with pytest.raises(UnknownZoneError):
+        answer(MapState(), "path from a to b")

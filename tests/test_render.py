@@ -1,0 +1,211 @@
+"""Pictures are valid SVG, the same each time, and say what is on the map."""
+
+from __future__ import annotations
+
+import itertools
+import math
+import re
+from collections.abc import Mapping
+from pathlib import Path
+from xml.etree import ElementTree as ET
+
+import numpy as np
+import pytest
+import shapely
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+from semtopo.formats import read_path, read_world
+from semtopo.geometry import Region
+from semtopo.graph import Node, Passage, TopologyGraph
+from semtopo.mapper import MapState, explore
+from semtopo.metric import MappedZone, MetricMap
+from semtopo.render import render
+from semtopo.render.frame import frame_around, round_length
+from semtopo.render.labels import Label, place_labels
+from semtopo.render.layout import Nodes, lay_out
+from semtopo.render.palette import OCCUPANCY, shade
+from semtopo.sensor import Sensor
+from semtopo.types import Occupancy, Point
+from semtopo.zones import Border
+
+EXAMPLE = Path(__file__).parents[1] / "examples" / "paper"
+NO_PATH = shapely.Point()
+
+
+def mapped(label: str, region: Region) -> MappedZone:
+    xy = shapely.get_coordinates(region)
+    border = Border(xy, np.full(len(xy), Occupancy.OBSTACLE, dtype=np.uint8))
+    return MappedZone(label, label, region, border, since=1, seq=1)
+
+
+def state_of(zones: Mapping[str, Region], *edges: tuple[str, str]) -> MapState:
+    metric = MetricMap({label: mapped(label, region) for label, region in zones.items()})
+    nodes = {label: Node(label, label, 1) for label in zones}
+    passages = {(a, b): Passage(a, b, (0.0, 0.0), 1) for a, b in edges}
+    return MapState(1, metric, TopologyGraph(nodes, passages))
+
+
+def texts(picture: str) -> list[str]:
+    """Give all text elements of a picture."""
+    root = ET.fromstring(picture)  # noqa: S314 -- our own picture
+    return [element.text or "" for element in root.iter("{http://www.w3.org/2000/svg}text")]
+
+
+def titles(picture: str) -> list[str]:
+    root = ET.fromstring(picture)  # noqa: S314 -- our own picture
+    return [element.text or "" for element in root.iter("{http://www.w3.org/2000/svg}title")]
+
+
+@pytest.fixture(scope="module")
+def path() -> list[Point]:
+    return [pose.position for pose in read_path((EXAMPLE / "path.csv").read_bytes())]
+
+
+@pytest.fixture(scope="module")
+def paper(path: list[Point]) -> MapState:
+    *_, last = explore(read_world((EXAMPLE / "world.json").read_bytes()), Sensor(36), path)
+    return last.state
+
+
+class TestPaper:
+    def test_names_every_zone_on_both_sides(self, paper: MapState, path: list[Point]) -> None:
+        written = texts(render(paper, path=path))
+        assert [written.count(label) for label in paper.graph.nodes] == [2, 2, 2, 2, 2]
+        assert "81 steps, 5 zones, 8 passages" in written
+
+    def test_shows_every_passage_on_both_sides(self, paper: MapState) -> None:
+        shown = titles(render(paper))
+        for source, target in paper.graph.passages:
+            arrow = f"{source} \u2192 {target} at"
+            assert len([title for title in shown if title.startswith(arrow)]) == 2
+
+    def test_shows_border_points_by_occupancy(self, paper: MapState) -> None:
+        picture = render(paper)
+        for meaning in (Occupancy.OBSTACLE, Occupancy.PASSAGE, Occupancy.FREE):
+            dots = re.search(rf'<path d="([^"]*)" stroke="{OCCUPANCY[meaning]}"', picture)
+            assert dots is not None
+            assert dots[1].count("h0") > 5
+
+    def test_is_the_same_each_time(self, paper: MapState, path: list[Point]) -> None:
+        assert render(paper, path=path) == render(paper, path=path)
+
+    def test_is_small(self, paper: MapState, path: list[Point]) -> None:
+        assert len(render(paper, path=path)) < 100_000
+
+
+def test_empty_map_says_so() -> None:
+    picture = render(MapState())
+    assert "no zones yet" in texts(picture)
+    assert "no zones yet" in texts(render(MapState(seq=2), path=[(1, 2), (1, 2)]))
+    assert "nan" not in picture
+
+
+@pytest.mark.parametrize("label", ["<&>\"'", "K\u00fcche", "\u4f1a\u8b70\u5ba4", "a" * 100])
+def test_any_label_is_written(label: str) -> None:
+    picture = render(state_of({label: shapely.box(0, 0, 1, 1), "b": shapely.box(2, 0, 3, 1)}))
+    assert any(title == label for title in titles(picture))
+
+
+@settings(max_examples=30)
+@given(st.lists(st.text(min_size=1, max_size=30), min_size=1, max_size=4, unique=True))
+def test_no_label_breaks_the_picture(labels: list[str]) -> None:
+    zones = {label: shapely.box(i, 0, i + 0.9, 1) for i, label in enumerate(labels)}
+    edges = itertools.permutations(labels, 2)
+    ET.fromstring(render(state_of(zones, *edges)).encode())  # noqa: S314 -- our own picture
+
+
+@pytest.mark.parametrize(
+    "zones",
+    [
+        {"big": shapely.box(0, 0, 1e6, 10), "tiny": shapely.box(5, 5, 5.0001, 5.0001)},
+        {"a": shapely.box(0, 0, 1, 1), "b": shapely.box(0, 0, 1, 1), "c": shapely.box(0, 0, 1, 1)},
+        {"parts": shapely.MultiPolygon([shapely.box(0, 0, 1, 1), shapely.box(5, 5, 6, 6)])},
+        {"far": shapely.box(-1e6, 1e6 - 1, 1 - 1e6, 1e6)},
+        {"thin": shapely.box(0, 0, 1e-4, 10)},
+    ],
+    ids=["sizes", "one upon the other", "two parts", "far away", "thin"],
+)
+def test_odd_maps_are_drawn(zones: dict[str, Region]) -> None:
+    picture = render(state_of(zones, *itertools.permutations(zones, 2)), path=[(0, 0)])
+    assert not re.search(r"\b(nan|inf)\b", picture)
+    assert all(texts(picture).count(label) == 2 for label in zones)
+
+
+class TestLabels:
+    def test_lies_in_a_ring(self) -> None:
+        ring = shapely.box(0, 0, 300, 300).difference(shapely.box(60, 60, 240, 240))
+        assert isinstance(ring, shapely.Polygon)
+        (label,) = place_labels([("corridor", ring)], NO_PATH)
+        assert ring.contains(label.box)
+
+    def test_keeps_off_the_path(self) -> None:
+        room, path = shapely.box(0, 0, 200, 200), shapely.LineString([(0, 100), (200, 100)])
+        (label,) = place_labels([("room", room)], path)
+        assert room.contains(label.box)
+        assert label.box.disjoint(path)
+
+    def test_is_shortened_and_small_where_there_is_no_room(self) -> None:
+        (label,) = place_labels([("n" * 100, shapely.box(0, 0, 20, 20))], NO_PATH)
+        assert (label.words, label.size) == ("n" * 23 + "\u2026", 7.0)
+
+    def test_do_not_sit_on_each_other(self) -> None:
+        zones = [(f"room {i}", shapely.box(30 * i, 0, 30 * i + 28, 40)) for i in range(12)]
+        labels = place_labels(zones, NO_PATH)
+        assert all(a.box.disjoint(b.box) for a, b in itertools.combinations(labels, 2))
+        assert [label.words for label in labels] == [name for name, _ in zones]
+
+    def test_have_the_size_that_fits(self) -> None:
+        sizes = [
+            place_labels([("corridor", shapely.box(0, 0, width, 60))], NO_PATH)[0].size
+            for width in (300, 60, 45)
+        ]
+        assert sizes == sorted(sizes, reverse=True)
+        assert len(set(sizes)) == 3
+        assert isinstance(place_labels([], NO_PATH), list)
+        assert Label("a", (0, 0), 10).box.area > 0
+
+
+class TestLayout:
+    @pytest.mark.parametrize("count", [2, 5, 44])
+    @pytest.mark.parametrize("spread", [0.0, 1.0], ids=["all in one place", "in a row"])
+    def test_nodes_lie_apart_and_on_the_panel(self, count: int, spread: float) -> None:
+        home = np.stack([300 + spread * np.arange(count), np.full(count, 300.0)], axis=-1)
+        half = np.tile([30.0, 13.0], (count, 1))
+        links = np.stack([np.zeros(count - 1, dtype=np.intp), np.arange(1, count)], axis=-1)
+        middles = lay_out(Nodes(home, half, links), (800.0, 800.0))
+        boxes = shapely.box(*(middles - half).T, *(middles + half).T)
+        assert all(a.disjoint(b) for a, b in itertools.combinations(boxes, 2))
+        assert shapely.contains(shapely.box(0, 0, 800, 800), boxes).all()
+
+    def test_edges_keep_off_other_nodes(self) -> None:
+        home = np.array([[100.0, 300.0], [300.0, 300.0], [500.0, 300.0]])
+        half = np.tile([30.0, 13.0], (3, 1))
+        middles = lay_out(Nodes(home, half, np.array([[0, 2]])), (600.0, 600.0))
+        edge = shapely.LineString(middles[[0, 2]])
+        assert edge.disjoint(shapely.box(*(middles[1] - half[1]), *(middles[1] + half[1])))
+
+
+class TestFrame:
+    def test_y_points_up_and_all_is_shown(self) -> None:
+        frame = frame_around(np.array([[0.0, 0.0], [10.0, 5.0]]), (100, 100), (500, 400))
+        (left, bottom), (right, top) = frame.pixel((0, 0)), frame.pixel((10, 5))
+        assert 0 < left < right < frame.size[0]
+        assert 0 < top < bottom < frame.size[1]
+        assert math.isclose((right - left) / 10, (bottom - top) / 5)
+
+    @pytest.mark.parametrize("length", [0.001, 0.3, 1.0, 1.1, 4.9, 5.1, 9.9, 12345.0])
+    def test_round_length(self, length: float) -> None:
+        rounded = round_length(length)
+        assert length <= rounded <= 2.5 * length
+        assert f"{rounded:e}"[0] in "125"
+
+    def test_ticks_are_round_numbers_in_the_window(self) -> None:
+        frame = frame_around(np.array([[-3.0, 0.0], [10.0, 5.0]]), (100, 100), (500, 400))
+        assert frame.ticks(0) == [-2.0, 0.0, 2.0, 4.0, 6.0, 8.0, 10.0]
+
+
+def test_zones_that_follow_each_other_differ_in_colour() -> None:
+    shades = [shade(number) for number in range(40)]
+    assert len({each.area for each in shades}) == 40
+    assert len({each.line for each in shades[:8]}) == 8
