@@ -10,6 +10,7 @@ import logging
 import sqlite3
 from dataclasses import dataclass
 from importlib import resources
+from time import monotonic, sleep
 from types import ModuleType
 from typing import Any
 
@@ -31,6 +32,7 @@ except ImportError:  # no wheel for this platform
 _log = logging.getLogger(__name__)
 
 _MIGRATION_LOCK = 7_305_001_921  # any number, the same in every process
+_BUSY_MS = 5_000  # to wait for others that write to a SQLite file
 
 
 @dataclass(frozen=True, slots=True)
@@ -137,8 +139,8 @@ def _prepare_sqlite(engine: Engine, begin: str, journal: str, *, query_only: boo
     @event.listens_for(engine, "connect")
     def set_up(connection: Any, _record: object) -> None:  # noqa: ANN401 -- either sqlite3 module
         connection.isolation_level = None  # or the module would begin transactions of its own
-        connection.execute("PRAGMA busy_timeout = 5000")
-        connection.execute(f"PRAGMA journal_mode = {journal}")
+        connection.execute(f"PRAGMA busy_timeout = {_BUSY_MS}")
+        _set_journal(connection, journal)
         connection.execute("PRAGMA synchronous = FULL")
         connection.execute("PRAGMA foreign_keys = ON")
         connection.execute(f"PRAGMA query_only = {query_only}")
@@ -146,3 +148,17 @@ def _prepare_sqlite(engine: Engine, begin: str, journal: str, *, query_only: boo
     @event.listens_for(engine, "begin")
     def start(connection: Connection) -> None:
         connection.exec_driver_sql(begin)
+
+
+def _set_journal(connection: Any, journal: str) -> None:  # noqa: ANN401 -- either sqlite3 module
+    """Set the journal mode; if another process just does so too, SQLite fails and does not wait."""
+    give_up = monotonic() + _BUSY_MS / 1000
+    while True:
+        try:
+            connection.execute(f"PRAGMA journal_mode = {journal}")
+        except connection.OperationalError as error:
+            if "locked" not in str(error) or monotonic() > give_up:
+                raise
+            sleep(0.01)
+        else:
+            return

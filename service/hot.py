@@ -6,6 +6,7 @@ the stored version before it is believed, and replaced only after a commit.
 
 from __future__ import annotations
 
+import math
 from collections import OrderedDict
 from dataclasses import dataclass, replace
 from typing import Generic, TypeVar
@@ -45,15 +46,18 @@ class HotSession:
     sensor: Sensor
     options: MappingOptions
     state: MapState
+    step_ms: float = math.inf
+    """How long the last step took to compute; unknown before the first."""
 
     @property
     def tag(self) -> str:
         """The entity tag of the map as it is (RFC 9110, 8.8.3)."""
         return entity_tag(self.row.number, self.state.seq)
 
-    def after(self, state: MapState) -> HotSession:
-        """Return the session with a later map."""
-        return replace(self, row=replace(self.row, version=state.seq), state=state)
+    def after(self, state: MapState, step_ms: float) -> HotSession:
+        """Return the session with the map after one more step, which took `step_ms`."""
+        row = replace(self.row, version=state.seq)
+        return replace(self, row=row, state=state, step_ms=step_ms)
 
     def take(self, pose: Pose, seen: LabelledRuns | None, watch: Stopwatch) -> Step:
         """Take one step: with what a real sensor saw, else with the simulated one.

@@ -43,6 +43,7 @@ class Computed:
     step: Step
     answer: str
     taken_at: str
+    step_ms: float
 
 
 @dataclass(frozen=True, slots=True)

@@ -42,6 +42,13 @@ Result = TypeVar("Result")
 ATTEMPTS = 20
 """How often a step is computed anew because another process was faster."""
 
+SHORT_STEP_MS = 4.0
+"""A step that takes no longer is not worth a thread: going there and back costs some 0.2 ms, and a
+thread that computes keeps the others waiting for up to 5 ms at a time, as the event loop does."""
+
+SHORT_INPUT = 2**16
+"""Characters; a longer input may take much longer than the step before it."""
+
 
 @dataclass(frozen=True, slots=True)
 class Body:
@@ -163,7 +170,7 @@ class Sessions:
             raise
         match outcome:
             case Recorded() if computed is not None:
-                after = hot.after(computed.step.state)
+                after = hot.after(computed.step.state, computed.step_ms)
                 self._hot.put(hot.row.id, after)
                 return Body(computed.answer.encode(), after.tag)
             case Replayed(seq, content):
@@ -174,9 +181,11 @@ class Sessions:
                 return None
 
     async def _compute(self, hot: HotSession, request: StepRequest) -> Computed | None:
-        """Compute a step in a thread, unless it must have been taken before."""
+        """Compute a step, unless it must have been taken before; a long one in a thread."""
         if request.seq is not None and request.seq <= hot.state.seq:
             return None
+        if hot.step_ms <= SHORT_STEP_MS and len(request.input) <= SHORT_INPUT:
+            return _computed(hot, request)
         return await asyncio.to_thread(_computed, hot, request)
 
     async def _body(
@@ -224,8 +233,9 @@ class Sessions:
 def _computed(hot: HotSession, request: StepRequest) -> Computed:
     watch = Stopwatch()
     taken = hot.take(request.pose, request.seen, watch)
-    document = {**step_document(taken), "timings_ms": watch.timings_ms()}
-    return Computed(hot, taken, to_json(document).decode(), now())
+    timings = watch.timings_ms()
+    document = {**step_document(taken), "timings_ms": timings}
+    return Computed(hot, taken, to_json(document).decode(), now(), timings["total"])
 
 
 def now() -> str:

@@ -25,8 +25,8 @@ class Settings(BaseSettings):
     open: bool = False
     """Whether to listen beyond this machine without asking for keys."""
 
-    body_bytes_max: int = Field(default=4 * 2**20, ge=1024)
-    """The largest request body: a scan of 4,000 beams is below 1 MiB."""
+    body_bytes_max: int = Field(default=2**20, ge=1024)
+    """The largest request body: a scan of 4,000 beams, or a world of 10,000 zones, takes less."""
 
     hot_sessions_max: int = Field(default=256, ge=1)
     """How many maps stay in memory; a map of 5,000 border points takes about 0.3 MB."""

@@ -10,8 +10,9 @@ from __future__ import annotations
 import asyncio
 import queue
 import threading
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
 from concurrent.futures import Future, ThreadPoolExecutor
+from contextlib import AbstractContextManager, contextmanager
 from typing import Any, Protocol, TypeVar
 
 from sqlalchemy import Connection, Engine
@@ -22,6 +23,8 @@ from service.errors import BusyError, StorageError
 
 Result = TypeVar("Result")
 Change = Callable[[Connection], Any]
+Begin = Callable[[], AbstractContextManager[Connection]]
+Errors = tuple[type[Exception], ...]
 
 GROUP_MAX = 64
 """Changes in one transaction; more would make the first of them wait too long."""
@@ -62,7 +65,8 @@ class GroupWriter:
 
     def __init__(self, engine: Engine, queue_max: int) -> None:
         """Start the thread."""
-        self._engine = engine
+        self._connection = engine.connect()  # kept: to take it up anew would cost 0.1 ms
+        self._errors = _database_errors(engine)
         self._waiting: queue.Queue[tuple[Change, Future[Any]] | None] = queue.Queue(queue_max)
         self._thread = threading.Thread(target=self._work, name="writer")
         self._thread.start()
@@ -80,6 +84,17 @@ class GroupWriter:
         """Finish what was handed in, and stop the thread."""
         self._waiting.put(None)
         self._thread.join()
+        self._connection.close()
+
+    @contextmanager
+    def _begin(self) -> Iterator[Connection]:
+        """Give the connection in a transaction, and leave it without one."""
+        try:
+            with self._connection.begin():
+                yield self._connection
+        except BaseException:
+            self._connection.connection.rollback()  # a commit that failed may have left it open
+            raise
 
     def _work(self) -> None:
         """Take group after group, until the mark that ends the work."""
@@ -88,10 +103,10 @@ class GroupWriter:
             while len(group) < GROUP_MAX and not self._waiting.empty():
                 group.append(self._waiting.get())
             work = [item for item in group if item is not None]
-            if work and not _commit_together(self._engine, work):
+            if work and not _commit_together(self._begin, self._errors, work):
                 # one bad change must not fail the others
                 for item in work:
-                    _commit_alone(self._engine, *item)
+                    _commit_alone(self._begin, self._errors, *item)
             if len(work) < len(group):
                 return
 
@@ -101,7 +116,8 @@ class PoolWriter:
 
     def __init__(self, engine: Engine, queue_max: int) -> None:
         """Make the threads."""
-        self._engine = engine
+        self._begin = engine.begin
+        self._errors = _database_errors(engine)
         self._pool = ThreadPoolExecutor(WRITERS, thread_name_prefix="writer")
         self._free = queue_max
 
@@ -112,7 +128,7 @@ class PoolWriter:
         self._free -= 1
         try:
             future: Future[Result] = Future()
-            self._pool.submit(_commit_alone, self._engine, change, future)
+            self._pool.submit(_commit_alone, self._begin, self._errors, change, future)
             return await asyncio.wrap_future(future)
         finally:
             self._free += 1
@@ -126,14 +142,14 @@ class _SpoiltError(Exception):
     """One change of a group failed, so nothing of the group was made."""
 
 
-def _commit_together(engine: Engine, work: list[tuple[Change, Future[Any]]]) -> bool:
+def _commit_together(begin: Begin, errors: Errors, work: list[tuple[Change, Future[Any]]]) -> bool:
     """Run all changes in one transaction; return False if one of them spoilt it for all."""
     try:
-        with engine.begin() as connection:
+        with begin() as connection:
             results = _run_all(connection, [change for change, _ in work])
     except _SpoiltError:
         return False
-    except _database_errors(engine) as error:
+    except errors as error:
         for _, future in work:
             _fail(future, _storage_failure(error))
     else:
@@ -149,12 +165,12 @@ def _run_all(connection: Connection, changes: list[Change]) -> list[Any]:
         raise _SpoiltError from error
 
 
-def _commit_alone(engine: Engine, change: Change, future: Future[Any]) -> None:
+def _commit_alone(begin: Begin, errors: Errors, change: Change, future: Future[Any]) -> None:
     """Run one change in a transaction of its own, and pass on how it ended."""
     try:
-        with engine.begin() as connection:
+        with begin() as connection:
             result = change(connection)
-    except _database_errors(engine) as error:
+    except errors as error:
         _fail(future, _storage_failure(error))
     except Exception as error:  # noqa: BLE001 -- the thread must live; the caller is told
         _fail(future, error)
@@ -162,7 +178,7 @@ def _commit_alone(engine: Engine, change: Change, future: Future[Any]) -> None:
         _settle(future, result)
 
 
-def _database_errors(engine: Engine) -> tuple[type[Exception], ...]:
+def _database_errors(engine: Engine) -> Errors:
     """Return the errors of SQLAlchemy and of the driver below it."""
     driver = engine.dialect.dbapi
     return (SQLAlchemyError,) if driver is None else (SQLAlchemyError, driver.Error)

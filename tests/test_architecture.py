@@ -31,7 +31,7 @@ PURE = {
 IMPURE_NAMES = {"breakpoint", "eval", "exec", "input", "open", "print", "random", "seed"}
 
 SPEAK_SQL = {"database", "keys", "statements", "store", "tables", "writer"}
-HAND_ON = {"history", "hot", "recording", "sessions"}
+HAND_ON = {"history", "hot", "key_desk", "recording", "sessions"}
 """They name the type `Connection`, and hand what they get to those who speak SQL."""
 
 NAME_DATABASE_ERRORS = {"errors"}

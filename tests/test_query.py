@@ -48,9 +48,12 @@ def test_forms_that_are_understood(text: str, source: str, target: str) -> None:
 
 @pytest.mark.parametrize(
     "text",
-    ["", " ", "path", "path from", "path from a", "path from a to", "path from a to ", "path to b",
-     "path from to b", "route from a to b", "how do I get from a to b", "path from a b",
-     "patha from a to b",     "path froma to b", "path from ato b", "from a to b", '"path from a to b"'],
+    [
+        "", " ", "path", "path from", "path from a", "path from a to", "path from a to ",
+        "path to b", "path from to b", "route from a to b", "how do I get from a to b",
+        "path from a b", "patha from a to b", "path froma to b", "path from ato b",
+        "from a to b", '"path from a to b"',
+    ],
 )  # fmt: skip
 def test_forms_that_are_not(text: str) -> None:
     with pytest.raises(InvalidQuestionError):
@@ -122,19 +125,19 @@ HOME = state(
         ("path from bath to HALL", "Leave bath at (1.0, 2.3) into hall: 1 passage."),
         (
             "path from bath to living room",
-            "Leave bath at (1.0, 2.3) into hall, then leave hall at (4.0, 6.0) into living room: "
-            "2 passages, 4.8 m between them.",
+            """Leave bath at (1.0, 2.3) into hall, then leave hall at (4.0, 6.0) into living room:
+            2 passages, 4.8 m between them.""",
         ),
         (
             "path from hall to balcony",
-            "Leave hall at (4.0, 6.0) into living room, then leave living room at (-1.0, 12.3) "
-            "into Balcony: 2 passages, 8.1 m between them.",
+            """Leave hall at (4.0, 6.0) into living room, then leave living room at (-1.0, 12.3)
+            into Balcony: 2 passages, 8.1 m between them.""",
         ),
     ],
 )
 def test_answers_read_as_sentences(question: str, sentence: str) -> None:
     found = answer(HOME, question)
-    assert found.sentence == sentence == describe(found.route)
+    assert found.sentence == " ".join(sentence.split()) == describe(found.route)
 
 
 def test_an_answer_holds_the_route() -> None:

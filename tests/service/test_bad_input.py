@@ -11,14 +11,17 @@ import httpx2
 import pytest
 
 from service.schemas import ProblemAnswer
+from service.settings import Settings
 from tests.servers import Json, Server
 from tests.service.twin import at, paper_steps, paper_world
 
 SECONDS_MAX = 10.0
 """For an answer; generous, since tests run beside each other."""
 
-WORK_SECONDS_MAX = 1.0
+WORK_SECONDS_MAX = 2.0
 """For the server to work on one request, by its own clock."""
+
+BODY_BYTES_MAX: int = Settings.model_fields["body_bytes_max"].default
 
 MARKER = "h1dden-h1dden"
 """A word that no answer may repeat."""
@@ -394,44 +397,41 @@ def test_a_body_of_64_mib(server: Server, mapped: str, below: str) -> None:
 
 
 def test_a_body_as_large_as_allowed_is_read(server: Server, mapped: str) -> None:
-    limit = 4 * 2**20
-    refused(raw(server, f"{mapped}/step", b"{}".ljust(limit)), 422, "invalid_pose")
-    refused(raw(server, f"{mapped}/step", b"{}".ljust(limit + 1)), 413, "body_too_large")
+    refused(raw(server, f"{mapped}/step", b"{}".ljust(BODY_BYTES_MAX)), 422, "invalid_pose")
+    refused(raw(server, f"{mapped}/step", b"{}".ljust(BODY_BYTES_MAX + 1)), 413, "body_too_large")
 
 
-MILLION = b"[" + b",".join([b"0"] * 1_000_000) + b"]"
+ROOM = BODY_BYTES_MAX - 500  # bytes for a crowd, in the largest body that is read
+MANY = b"[" + b",".join([b"0"] * (ROOM // 2)) + b"]"
 SCAN = b'{"pose":{"x":0,"y":0},"scan":{"angle_min":0,"angle_increment":1,"range_max":1,'
-MANY_FIELDS = b",".join(b'"%x":1' % number for number in range(300_000))
-UNBOUNDED = pytest.mark.xfail(
-    reason="semtopo.documents lists every wrong field of an object: some 3 s", strict=False
-)
+MANY_FIELDS = b",".join(b'"%06x":1' % number for number in range(ROOM // 11))
 
 CROWDS = [
-    case("a million beams", "/step", SCAN + b'"beams":' + MILLION + b"}}", "invalid_scan"),
-    case("a million runs", "/step", SCAN + b'"beams":[' + MILLION + b"]}}", "invalid_scan"),
-    case("a run of a million", "/step", SCAN + b'"beams":[[' + MILLION + b"]]}}", "invalid_scan"),
-    case("empty beams", "/step", SCAN + b'"beams":[' + b"[]," * 1_300_000 + b"[]]}}",
+    case("very many beams", "/step", SCAN + b'"beams":' + MANY + b"}}", "invalid_scan"),
+    case("very many runs", "/step", SCAN + b'"beams":[' + MANY + b"]}}", "invalid_scan"),
+    case("a run of very many", "/step", SCAN + b'"beams":[[' + MANY + b"]]}}", "invalid_scan"),
+    case("empty beams", "/step", SCAN + b'"beams":[' + b"[]," * (ROOM // 3 - 1) + b"[]]}}",
          "invalid_scan"),
-    case("a million for a pose", "/step", b'{"pose":' + MILLION + b"}", "invalid_pose"),
-    case("a million for x", "/step", b'{"pose":{"y":0,"x":' + MILLION + b"}}", "invalid_pose"),
-    case("a million for a text", "/query", b'{"text":' + MILLION + b"}", "invalid_question"),
-    case("a million zones", "", b'{"world":{"zones":' + MILLION + b"}}", "invalid_world"),
-    case("a million for a sensor", "", b'{"sensor":' + MILLION + b"}", "invalid_sensor"),
-    case("a corner of a million", "",
-         b'{"world":{"zones":[{"label":"a","kind":"space","high":[1,1],"low":' + MILLION + b"}]}}",
+    case("very many for a pose", "/step", b'{"pose":' + MANY + b"}", "invalid_pose"),
+    case("very many for x", "/step", b'{"pose":{"y":0,"x":' + MANY + b"}}", "invalid_pose"),
+    case("very many for a text", "/query", b'{"text":' + MANY + b"}", "invalid_question"),
+    case("very many zones", "", b'{"world":{"zones":' + MANY + b"}}", "invalid_world"),
+    case("very many for a sensor", "", b'{"sensor":' + MANY + b"}", "invalid_sensor"),
+    case("a corner of very many", "",
+         b'{"world":{"zones":[{"label":"a","kind":"space","high":[1,1],"low":' + MANY + b"}]}}",
          "invalid_world"),
     case("4,000 beams, each wrong", "/step",
          SCAN + b'"beams":[' + b",".join([b'[["a",-1]]'] * 4000) + b"]}}", "invalid_scan"),
-    pytest.param("/step", b'{"pose":{"x":0,"y":0},' + MANY_FIELDS + b"}", "invalid_request",
-                 id="300,000 fields", marks=UNBOUNDED),
-    pytest.param("/step", SCAN + b'"beams":[],"kinds":{' + MANY_FIELDS + b"}}}", "invalid_scan",
-                 id="300,000 kinds", marks=UNBOUNDED),
+    case("very many fields", "/step", b'{"pose":{"x":0,"y":0},' + MANY_FIELDS + b"}",
+         "invalid_request"),
+    case("very many kinds", "/step", SCAN + b'"beams":[],"kinds":{' + MANY_FIELDS + b"}}}",
+         "invalid_scan"),
 ]  # fmt: skip
 
 
 @pytest.mark.parametrize(("below", "body", "code"), CROWDS)
 def test_a_crowd(server: Server, mapped: str, below: str, body: bytes, code: str) -> None:
-    assert len(body) <= 4 * 2**20
+    assert len(body) <= BODY_BYTES_MAX
     before = worked(server)
     refused(raw(server, mapped + below if below else "/sessions", body), 422, code)
     assert worked(server) - before < WORK_SECONDS_MAX

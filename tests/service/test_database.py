@@ -149,6 +149,34 @@ def test_a_sqlite_that_may_corrupt_gets_no_wal(
     assert ("WAL-reset" in caplog.text) == (journal == "DELETE")
 
 
+class Locked:
+    """A connection to a file that another process is just changing to another journal."""
+
+    OperationalError = sqlite3.OperationalError
+
+    def __init__(self, *answers: str) -> None:
+        self.answers = list(answers)
+
+    def execute(self, statement: str) -> None:
+        assert statement == "PRAGMA journal_mode = WAL"
+        if answer := self.answers.pop(0):
+            raise sqlite3.OperationalError(answer)
+
+
+def test_the_journal_mode_waits_for_others() -> None:
+    connection = Locked("database is locked", "database is locked", "")
+    module._set_journal(connection, "WAL")
+    assert connection.answers == []
+    with pytest.raises(sqlite3.OperationalError, match="disk"):
+        module._set_journal(Locked("disk I/O error", ""), "WAL")
+
+
+def test_the_journal_mode_does_not_wait_for_ever(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(module, "_BUSY_MS", 30)
+    with pytest.raises(sqlite3.OperationalError, match="locked"):
+        module._set_journal(Locked(*["database is locked"] * 100), "WAL")
+
+
 def test_without_the_bundled_sqlite(monkeypatch: pytest.MonkeyPatch, url: str) -> None:
     """The module that comes with Python does too, with the journal that suits its version."""
     monkeypatch.setattr(module, "bundled_sqlite", None)
