@@ -1,12 +1,17 @@
 # make run   set up, then serve on 127.0.0.1:8000
 # make test  set up, lint, check types, test
+# make fuzz  send CASES requests drawn from the OpenAPI document
+# make crash kill servers and databases at random, KILLS times each, and check the maps
 BIN := .venv/bin
 PORT ?= 8000
 DATABASE ?= sqlite:///var/semtopo.db
 JOBS ?= 2
+CASES ?= 20000
+KILLS ?= 200
+VICTIMS ?= sqlite sqlite-stopped sqlite-two postgres postgres-itself
 EXPORT = $(BIN)/uv export --quiet --frozen --no-header --no-emit-project
 
-.PHONY: setup run test lint types lock clean
+.PHONY: setup run test fuzz crash lint types lock clean
 
 setup: .venv/.ready
 
@@ -20,6 +25,12 @@ run: setup
 
 test: lint types
 	$(BIN)/pytest -n $(JOBS) --dist loadfile
+
+fuzz: setup
+	$(BIN)/python -m tests.fuzz --cases $(CASES)
+
+crash: setup
+	set -e; for on in $(VICTIMS); do $(BIN)/python -m tests.crash --kills $(KILLS) --on $$on; done
 
 lint: setup
 	$(BIN)/ruff check .

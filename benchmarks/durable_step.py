@@ -1,12 +1,13 @@
 """What a durable step costs over HTTP, beside a bare endpoint that commits one row of 1 KB.
 
-The steps bring a scan that sees nothing, so that the map has nothing to compute: what remains is
-HTTP, validation, order, the log and the commit. Both servers run in turn, several rounds, in one
+What the map itself computes (`timings_ms` of each answer) is taken off: what remains is HTTP,
+validation, order, the log and the commit. All servers are loaded in turn, several rounds, in one
 run; the ratios are what counts. Run it as `python -m benchmarks.durable_step`.
 """
 
 from __future__ import annotations
 
+import asyncio
 import os
 import socket
 import statistics
@@ -14,35 +15,16 @@ import subprocess
 import sys
 import tempfile
 import time
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from contextlib import contextmanager
-from pathlib import Path
 
 import orjson
 
 from benchmarks.load import HOST, Load, exchange, request_bytes, run
 
-ROUNDS = 5
-COUNT = {1: 1_500, 16: 4_000}
+ROUNDS = 7
+COUNT = {1: 1_000, 16: 3_000}
 SESSIONS = 16
-
-
-@contextmanager
-def server(code: str, environment: dict[str, str]) -> Iterator[int]:
-    """Run a server in a process of its own, and give its port."""
-    with socket.socket() as free:
-        free.bind((HOST, 0))
-        port: int = free.getsockname()[1]
-    command = [sys.executable, "-c", code.format(port=port)]
-    with subprocess.Popen(command, env={**os.environ, **environment}) as process:  # noqa: S603
-        for _ in range(200):
-            with socket.socket() as probe:
-                if probe.connect_ex((HOST, port)) == 0:
-                    break
-            time.sleep(0.05)
-        yield port
-        process.terminate()
-
 
 BARE = """
 import gc, uvicorn
@@ -52,54 +34,95 @@ uvicorn.run(app, port={port}, access_log=False, log_level="warning")
 """
 
 SEMTOPO = """
+import logging, os
 from service.app import serve
 from service.settings import Settings
-serve(Settings(port={port}, database="sqlite:///" + __import__("os").environ["STEP_DATABASE"]))
+logging.disable(logging.INFO)
+serve(Settings(port={port}, database="sqlite:///" + os.environ["STEP_DATABASE"]))
 """
 
 
-def make_sessions(port: int) -> list[str]:
+@contextmanager
+def server(code: str, environment: dict[str, str]) -> Iterator[int]:
+    """Run a server in a process of its own, and give its port."""
+    with socket.socket() as free:
+        free.bind((HOST, 0))
+        port: int = free.getsockname()[1]
+    command = [sys.executable, "-c", code.format(port=port)]
+    with subprocess.Popen(command, env={**os.environ, **environment}) as process:  # noqa: S603 -- ourselves
+        for _ in range(400):
+            with socket.socket() as probe:
+                if probe.connect_ex((HOST, port)) == 0:
+                    break
+            time.sleep(0.05)
+        yield port
+        process.terminate()
+
+
+async def make_sessions(port: int) -> list[str]:
     """Begin sessions without a world, and return their ids."""
-
-    async def make() -> list[str]:
-        reader, writer = await asyncio.open_connection(HOST, port)
-        ids = []
-        for _ in range(SESSIONS):
-            _, body = await exchange(reader, writer, request_bytes("POST", "/sessions", b"{}"))
-            ids.append(orjson.loads(body)["id"])
-        return ids
-
-    import asyncio  # noqa: PLC0415
-
-    return asyncio.run(make())
+    reader, writer = await asyncio.open_connection(HOST, port)
+    request = request_bytes("POST", "/sessions", b"{}")
+    answers = [await exchange(reader, writer, request) for _ in range(SESSIONS)]
+    writer.close()
+    return [orjson.loads(body)["id"] for _, body in answers]
 
 
-def main() -> None:
-    """Measure in turn, and print the table."""
-    beams = [[["unlabelled", 2.0]]] * 40
-    scan = {"angle_min": 0.0, "angle_increment": 0.1, "range_max": 2.0, "beams": beams,
-            "kinds": {"unlabelled": "unknown"}}  # fmt: skip
-    step = orjson.dumps({"pose": {"x": 1.0, "y": 6.0, "theta": 0.0}, "scan": scan})
-    row = orjson.dumps({"pose": {"x": 1.0, "y": 6.0}, "text": "x" * 960})
+def computing(body: bytes) -> float:
+    """Return how long the map was computed for an answer, in ms."""
+    took: float = orjson.loads(body)["timings_ms"]["total"]
+    return took
+
+
+def step_body() -> bytes:
+    """Return a step with a scan that saw nothing, about 1 KB."""
+    kinds = {f"a label of thirty characters {number:02}": "space" for number in range(22)}
+    scan = {"angle_min": 0.0, "angle_increment": 0.1, "range_max": 2.0, "beams": [], "kinds": kinds}
+    return orjson.dumps({"pose": {"x": 1.0, "y": 6.0}, "scan": scan})
+
+
+def measure() -> dict[tuple[str, int], list[Load]]:
+    """Load all servers in turn; return the loads by name and number of clients."""
     found: dict[tuple[str, int], list[Load]] = {}
+    row = orjson.dumps({"pose": {"x": 1.0, "y": 6.0}, "text": "x" * 960})
     with tempfile.TemporaryDirectory() as folder:
         files = {"BARE_DATABASE": f"{folder}/bare.db", "STEP_DATABASE": f"{folder}/step.db"}
         with server(BARE, files) as bare, server(SEMTOPO, files) as semtopo:
-            ids = make_sessions(semtopo)
-            posts = [request_bytes("POST", f"/sessions/{one}/step", step) for one in ids]
-            post = request_bytes("POST", "/rows", row)
-            for _ in range(ROUNDS + 1):
+            ids = asyncio.run(make_sessions(semtopo))
+            steps = [request_bytes("POST", f"/sessions/{one}/step", step_body()) for one in ids]
+            kinds: dict[str, tuple[int, Callable[[int], bytes]]] = {
+                "semtopo": (semtopo, lambda number: steps[number % SESSIONS]),
+                "thread": (bare, lambda _: request_bytes("POST", "/thread", row)),
+                "loop": (bare, lambda _: request_bytes("POST", "/loop", row)),
+            }
+            for _ in range(ROUNDS):
                 for clients, count in COUNT.items():
-                    one = run(bare, lambda _: post, clients=clients, count=count)
-                    two = run(semtopo, lambda n: posts[n % SESSIONS], clients=clients, count=count)
-                    found.setdefault(("bare", clients), []).append(one)
-                    found.setdefault(("semtopo", clients), []).append(two)
-        print(f"body {len(step)} B, step.db {Path(files['STEP_DATABASE']).stat().st_size} B")
-    for (name, clients), loads in found.items():
-        rounds = loads[1:]  # the first warms up
-        p50, p99 = (statistics.median(one.percentile(s) for one in rounds) for s in (0.5, 0.99))
-        rate = statistics.median(one.rate for one in rounds)
-        print(f"{name:8} {clients:3} clients  p50 {p50:6.2f} ms  p99 {p99:6.2f} ms  {rate:6.0f}/s")
+                    for name, (port, requests) in kinds.items():
+                        off = computing if name == "semtopo" else None
+                        load = run(port, requests, clients=clients, count=count, taken_off=off)
+                        found.setdefault((name, clients), []).append(load)
+    return found
+
+
+def main() -> None:
+    """Measure, and print the table: medians over the rounds, the first left out."""
+    found = measure()
+    for clients in COUNT:
+        figures = {}
+        for name in ("semtopo", "thread", "loop"):
+            rounds = found[name, clients][1:]
+            p50, p99 = (
+                statistics.median(one.percentile(at) for one in rounds) for at in (0.5, 0.99)
+            )
+            rate = statistics.median(one.rate for one in rounds)
+            figures[name] = (p50, p99)
+            print(f"{clients:3} clients  {name:8} p50 {p50:6.2f}  p99 {p99:6.2f} ms  {rate:6.0f}/s")
+        for name in ("thread", "loop"):
+            p50, p99 = (
+                mine / bare
+                for mine, bare in zip(*(figures[n] for n in ("semtopo", name)), strict=True)
+            )
+            print(f"{clients:3} clients  semtopo / {name:6}  p50 {p50:.2f}  p99 {p99:.2f}")
 
 
 if __name__ == "__main__":

@@ -47,7 +47,11 @@ async def exchange(
 
 
 async def _client(
-    port: int, requests: Callable[[int], bytes], numbers: range, expected: int
+    port: int,
+    requests: Callable[[int], bytes],
+    numbers: range,
+    expected: int,
+    taken_off: Callable[[bytes], float] | None,
 ) -> list[float]:
     reader, writer = await asyncio.open_connection(HOST, port)
     times = []
@@ -55,7 +59,8 @@ async def _client(
         request = requests(number)
         begun = time.perf_counter()
         status, body = await exchange(reader, writer, request)
-        times.append(1000 * (time.perf_counter() - begun))
+        took = 1000 * (time.perf_counter() - begun)
+        times.append(took - taken_off(body) if taken_off else took)
         if status != expected:
             raise RuntimeError(f"unexpected answer {status}: {body[:200]!r}")
     writer.close()
@@ -63,13 +68,22 @@ async def _client(
 
 
 def run(
-    port: int, requests: Callable[[int], bytes], *, clients: int, count: int, expected: int = 201
+    port: int,
+    requests: Callable[[int], bytes],
+    *,
+    clients: int,
+    count: int,
+    expected: int = 201,
+    taken_off: Callable[[bytes], float] | None = None,
 ) -> Load:
-    """Send `count` requests from several clients at once, each one after the other."""
+    """Send `count` requests from several clients at once, each one after the other.
+
+    `taken_off` says, from the body of an answer, how many ms are not to be counted.
+    """
 
     async def all_clients() -> list[list[float]]:
         shares = [range(first, count, clients) for first in range(clients)]
-        work = [_client(port, requests, share, expected) for share in shares]
+        work = [_client(port, requests, share, expected, taken_off) for share in shares]
         return await asyncio.gather(*work)
 
     begun = time.perf_counter()

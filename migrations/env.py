@@ -24,5 +24,6 @@ given = context.config.attributes.get("connection")
 if given is not None:
     run(given)
 else:
-    with create_engine(os.environ["SEMTOPO_DATABASE"]).begin() as own:
+    url = os.environ["SEMTOPO_DATABASE"].replace("postgresql://", "postgresql+psycopg://", 1)
+    with create_engine(url).begin() as own:
         run(own)

@@ -6,10 +6,19 @@ bound, so that no document can exhaust a machine; numbers are finite, and labels
 
 from __future__ import annotations
 
-from typing import Annotated, Literal
+from typing import Annotated, Literal, Self
 
-from pydantic import AfterValidator, BaseModel, ConfigDict, FailFast, Field
+from pydantic import (
+    AfterValidator,
+    BaseModel,
+    BeforeValidator,
+    ConfigDict,
+    FailFast,
+    Field,
+    model_validator,
+)
 
+from semtopo.errors import InvalidWorldError
 from semtopo.runs import LabelledRuns
 from semtopo.sensor import Sensor
 from semtopo.types import Edges, Kind, MappingOptions, Pose
@@ -20,8 +29,12 @@ RANGE_MAX = 1e4  # m; no sensor indoors sees further
 LABEL_LENGTH_MAX = 100
 ZONES_MAX = 100_000
 BEAMS_MAX = 4_000
-SAMPLES_MAX = 2_000
+SAMPLES_MAX = 2_000  # on one beam
+SAMPLES_IN_ALL_MAX = 100_000
 RUNS_MAX = 1_000  # on one beam
+RUNS_IN_ALL_MAX = 20_000
+LABELS_MAX = 1_000  # in one scan
+MEMBERS_MAX = 64  # of a JSON object
 
 
 def _printable(text: str) -> str:
@@ -46,6 +59,14 @@ class Document(BaseModel):
 
     model_config = ConfigDict(extra="forbid", frozen=True)
 
+    @model_validator(mode="before")
+    @classmethod
+    def _is_small(cls, given: object) -> object:
+        """Refuse a crowd of members at once; each would else become a fault of its own."""
+        if isinstance(given, dict) and len(given) > MEMBERS_MAX:
+            raise ValueError(f"an object has at most {MEMBERS_MAX} members")
+        return given
+
 
 class WorldZoneDocument(Document):
     """A labelled rectangle; corners in m, map frame."""
@@ -67,8 +88,14 @@ class WorldDocument(Document):
     zones: Annotated[list[WorldZoneDocument], FailFast(), Field(min_length=1, max_length=ZONES_MAX)]
 
     def value(self) -> World:
-        """Return the world."""
-        return World([zone.value() for zone in self.zones], name=self.name)
+        """Return the world; an error has the number of the zone, from 0."""
+        zones = []
+        for number, zone in enumerate(self.zones):
+            try:
+                zones.append(zone.value())
+            except InvalidWorldError as error:
+                raise InvalidWorldError(f"zones.{number}: {error}") from None
+        return World(zones, name=self.name)
 
 
 class SensorDocument(Document):
@@ -77,6 +104,13 @@ class SensorDocument(Document):
     beams: Annotated[int, Field(strict=True, ge=1, le=BEAMS_MAX)] = 72
     range: Radius = 2.0
     samples: Annotated[int, Field(strict=True, ge=2, le=SAMPLES_MAX)] = 20
+
+    @model_validator(mode="after")
+    def _can_be_borne(self) -> Self:
+        """Refuse more samples in all than a step should take."""
+        if self.beams * self.samples > SAMPLES_IN_ALL_MAX:
+            raise ValueError(f"a sensor takes at most {SAMPLES_IN_ALL_MAX} samples in all")
+        return self
 
     def value(self) -> Sensor:
         """Return the sensor."""
@@ -110,6 +144,32 @@ Run = tuple[Label, Radius]
 """A label met on a beam, and the distance in m where it ends."""
 
 
+def _few_runs(given: object) -> object:
+    """Refuse too many runs in all, before each is looked at."""
+    if isinstance(given, list):
+        count = sum(len(beam) for beam in given if isinstance(beam, list))
+        if count > RUNS_IN_ALL_MAX:
+            raise ValueError(f"a scan has at most {RUNS_IN_ALL_MAX} runs in all")
+    return given
+
+
+def _few_labels(beams: list[list[Run]]) -> list[list[Run]]:
+    if len({label for beam in beams for label, _ in beam}) > LABELS_MAX:
+        raise ValueError(f"a scan has at most {LABELS_MAX} labels")
+    return beams
+
+
+def _few_kinds(given: object) -> object:
+    if isinstance(given, dict) and len(given) > LABELS_MAX:
+        raise ValueError(f"a scan has at most {LABELS_MAX} kinds")
+    return given
+
+
+def _sorted(kinds: dict[Label, KindName]) -> dict[Label, KindName]:
+    """Return the kinds in the order of their labels, so that equal scans are written alike."""
+    return dict(sorted(kinds.items()))
+
+
 class ScanDocument(Document):
     """Labelled runs along the beams of a real sensor, from the robot outwards.
 
@@ -124,8 +184,15 @@ class ScanDocument(Document):
         list[Annotated[list[Run], FailFast(), Field(max_length=RUNS_MAX)]],
         FailFast(),
         Field(max_length=BEAMS_MAX),
+        BeforeValidator(_few_runs),
+        AfterValidator(_few_labels),
     ]
-    kinds: Annotated[dict[Label, KindName], Field(max_length=1_000)] = {}
+    kinds: Annotated[
+        dict[Label, KindName],
+        Field(max_length=LABELS_MAX),
+        BeforeValidator(_few_kinds),
+        AfterValidator(_sorted),
+    ] = {}
 
     def value(self) -> LabelledRuns:
         """Return the runs."""

@@ -57,6 +57,11 @@ def nearest_point(region: Region, position: Point) -> Point:
     return (float(x), float(y))
 
 
+def count_vertices(region: Region) -> int:
+    """Return how many vertices a region has; the first of a ring counts twice, as its last."""
+    return int(shapely.get_num_coordinates(region))
+
+
 def vertex_flags(points: Floats, region: Region) -> Flags:
     """Say of each of (n, 2) points whether it is, to the last bit, a vertex of a region."""
     return np.isin(_as_complex(points), _as_complex(shapely.get_coordinates(region)))

@@ -100,8 +100,9 @@ class TopologyGraph:
 
 def _in_order(sensor_map: SensorMap) -> Iterator[tuple[str, list[Link]]]:
     """Yield each label with the links that are complete once it is known (Alg. 3, l. 13-29)."""
-    done: set[str] = set()
-    for zone in here_first(sensor_map):
-        done.add(zone.label)
-        ends = [link for link in sensor_map.links if zone.label in (link.source, link.target)]
-        yield zone.label, [link for link in ends if {link.source, link.target} <= done]
+    labels = [zone.label for zone in here_first(sensor_map)]
+    rank = {label: number for number, label in enumerate(labels)}
+    completed: dict[str, list[Link]] = {label: [] for label in labels}
+    for link in sensor_map.links:
+        completed[max(link.source, link.target, key=rank.__getitem__)].append(link)
+    yield from completed.items()

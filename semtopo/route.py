@@ -34,7 +34,7 @@ class Route:
     @property
     def length(self) -> float:
         """The length in m of the line through the passage points; 0 below two passages."""
-        return sum(math.dist(a.point, b.point) for a, b in pairwise(self.passages))
+        return math.fsum(math.dist(a.point, b.point) for a, b in pairwise(self.passages))
 
 
 def find_route(graph: TopologyGraph, source: str, target: str) -> Route:

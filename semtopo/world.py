@@ -16,6 +16,11 @@ import shapely
 from semtopo.errors import InvalidWorldError
 from semtopo.types import NOWHERE, Bytes, Floats, Integers, Kind, Point
 
+FEW_ZONES = 16
+FEW_PAIRS = 2**16
+"""Up to so many zones, or pairs of a point and a zone, each is looked at; above, it would take too
+long."""
+
 
 @dataclass(frozen=True, slots=True)
 class WorldZone:
@@ -37,9 +42,9 @@ class WorldZone:
         if not self.label:
             raise InvalidWorldError("a zone needs a label")
         if not all(map(math.isfinite, (*self.low, *self.high))):
-            raise InvalidWorldError(f"zone {self.label!r}: corners must be finite")
+            raise InvalidWorldError("corners must be finite")
         if not (self.low[0] < self.high[0] and self.low[1] < self.high[1]):
-            raise InvalidWorldError(f"zone {self.label!r}: low must be below high in x and in y")
+            raise InvalidWorldError("low must be below high in x and in y")
 
 
 class World:
@@ -64,8 +69,8 @@ class World:
         self._kind = np.array([*(z.kind for z in self.zones), Kind.OBSTACLE], dtype=np.uint8)
         self._low = np.array([zone.low for zone in self.zones], dtype=np.float64)
         self._high = np.array([zone.high for zone in self.zones], dtype=np.float64)
-        corners = np.hstack([self._low, self._high])
-        self._tree = shapely.STRtree([shapely.box(*corner) for corner in corners])
+        boxes = np.asarray(shapely.box(*self._low.T, *self._high.T), dtype=np.object_)
+        self._tree = shapely.STRtree(boxes)
 
     def read(self, xy: Floats) -> tuple[Integers, Bytes]:
         """Return label index and kind at each point (ReadMap, R4).
@@ -73,16 +78,55 @@ class World:
         Points have the shape (..., 2), the answers the shape (...). On a common edge the later
         zone wins; outside all zones the label index is `NOWHERE` and the kind OBSTACLE.
         """
-        x, y = xy[..., 0], xy[..., 1]
-        top = np.full(x.shape, -1, dtype=np.intp)
-        for number in self._zones_near(x, y):
-            low, high = self._low[number], self._high[number]
-            top[(x >= low[0]) & (x <= high[0]) & (y >= low[1]) & (y <= high[1])] = number
+        points = xy.reshape(-1, 2)
+        top = self._topmost(points, self._zones_near(points)).reshape(xy.shape[:-1])
         return self._label[top], self._kind[top]
 
-    def _zones_near(self, x: Floats, y: Floats) -> Integers:
+    def _zones_near(self, points: Floats) -> Integers:
         """Return the numbers of the zones whose rectangle meets that of the points, ascending."""
-        if x.size == 0:
+        if len(points) == 0:
             return np.empty(0, dtype=np.intp)
-        window = shapely.box(x.min(), y.min(), x.max(), y.max())
+        window = shapely.box(*points.min(axis=0), *points.max(axis=0))
         return np.sort(self._tree.query(window))
+
+    def _topmost(self, points: Floats, numbers: Integers) -> Integers:
+        """Return the last of some zones, ascending, that has each point (n, 2); -1 for none.
+
+        Many points among many zones are halved until few of either are left: most zones miss the
+        rectangle of few points, or cover it and hide what lies below. So the work stays small also
+        where thousands of zones lie on one another.
+        """
+        if len(numbers) <= FEW_ZONES:
+            return self._topmost_of_few(points, numbers)
+        if len(points) * len(numbers) <= FEW_PAIRS:
+            return self._topmost_at_once(points, numbers)
+        low, high = points.min(axis=0), points.max(axis=0)
+        lows, highs = self._low[numbers], self._high[numbers]
+        shown = ((lows <= high) & (highs >= low)).all(axis=1)
+        covering = np.flatnonzero(((lows <= low) & (highs >= high)).all(axis=1))
+        shown[: covering[-1] if len(covering) else 0] = False
+        half = len(points) // 2
+        order = np.argpartition(points[:, np.argmax(high - low)], half)
+        top = np.empty(len(points), dtype=np.intp)
+        for part in (order[:half], order[half:]):
+            top[part] = self._topmost(points[part], numbers[shown])
+        return top
+
+    def _topmost_of_few(self, points: Floats, numbers: Integers) -> Integers:
+        """Do as `_topmost`, zone by zone."""
+        x, y = points[:, 0], points[:, 1]
+        top = np.full(len(points), -1, dtype=np.intp)
+        for number in numbers:
+            low, high = self._low[number], self._high[number]
+            top[(x >= low[0]) & (x <= high[0]) & (y >= low[1]) & (y <= high[1])] = number
+        return top
+
+    def _topmost_at_once(self, points: Floats, numbers: Integers) -> Integers:
+        """Do as `_topmost`, with every point and every zone side by side."""
+        falling = np.append(numbers[::-1], -1)
+        x, y = points[:, :1], points[:, 1:]
+        (left, below), (right, above) = self._low[falling].T, self._high[falling].T
+        inside = (x >= left) & (x <= right) & (y >= below) & (y <= above)
+        inside[:, -1] = True  # -1 where there is no zone
+        top: Integers = falling[inside.argmax(axis=1)]
+        return top

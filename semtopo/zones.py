@@ -26,7 +26,7 @@ from semtopo.geometry import (
     vertex_flags,
 )
 from semtopo.scan import Scan
-from semtopo.types import Bytes, Edges, Flags, Floats, Integers, MappingOptions, Occupancy, Point
+from semtopo.types import Bytes, Edges, Floats, Integers, MappingOptions, Occupancy, Point
 
 SAME_DISTANCE = 1e-9
 """m; far above what rounding does to a distance indoors, far below what a sensor can tell."""
@@ -123,13 +123,10 @@ def extract(scan: Scan, options: MappingOptions) -> SensorMap:
 
 def find_strips(scan: Scan) -> Strips:
     """Return every strip of a scan that has area (R6)."""
-    left, right = _neighbours(scan)
+    left, right = _overlapping(scan)
     spans = scan.intervals
-    matching = (
-        (spans.label[left] == spans.label[right])
-        & ((spans.near[left] == 0) == (spans.near[right] == 0))
-        & (spans.near[left] <= spans.far[right])
-        & (spans.near[right] <= spans.far[left])
+    matching = (spans.label[left] == spans.label[right]) & (
+        (spans.near[left] == 0) == (spans.near[right] == 0)
     )
     left, right = left[matching], right[matching]
     corners = np.stack(
@@ -146,30 +143,45 @@ def find_strips(scan: Scan) -> Strips:
     return Strips(left[solid], right[solid], shapes[solid])
 
 
-def _neighbours(scan: Scan) -> tuple[Integers, Integers]:
-    """Return every pair of intervals on neighbouring beams."""
-    beams, beam = len(scan.directions), scan.intervals.beam
-    count = np.bincount(beam, minlength=beams)
-    start = np.cumsum(count) - count
-    following = (beam + 1) % beams
-    partners = count[following]
+def _overlapping(scan: Scan) -> tuple[Integers, Integers]:
+    """Return every pair of intervals on neighbouring beams that overlap in radius.
+
+    The intervals of a beam are in order and lie apart, so the partners of each stand in a row; they
+    are found without a look at the others, of which a scan may have very many.
+    """
+    spans, beams = scan.intervals, len(scan.directions)
+    radii, rank = np.unique(np.concatenate([spans.near, spans.far]), return_inverse=True)
+    near, far = rank[: len(spans)], rank[len(spans) :]
+    here, there = spans.beam * len(radii), (spans.beam + 1) % beams * len(radii)
+    first = np.searchsorted(here + far, there + near, side="left")
+    end = np.searchsorted(here + near, there + far, side="right")
+    partners = end - first
     if not scan.ring:
-        partners[beam == beams - 1] = 0
-    left = np.repeat(np.arange(len(beam)), partners)
+        partners[spans.beam == beams - 1] = 0
+    left = np.repeat(np.arange(len(spans)), partners)
     offset = np.arange(len(left)) - np.repeat(np.cumsum(partners) - partners, partners)
-    return left, np.repeat(start[following], partners) + offset
+    return left, np.repeat(first, partners) + offset
 
 
 def _zones(scan: Scan, strips: Strips, min_zone_area: float) -> Iterator[Zone]:
     """Yield the zones in the order of their labels (Alg. 2, l. 36-42)."""
-    labels = scan.intervals.label[strips.left]
-    for number in sorted(set(labels.tolist()), key=scan.labels.__getitem__):
-        region = _joined(strips, labels == number)
+    spans = _places(scan.intervals.label)
+    chosen = _places(scan.intervals.label[strips.left])
+    for number in sorted(chosen, key=scan.labels.__getitem__):
+        region = _joined(strips, chosen[number])
         if region.area > min_zone_area:
-            yield Zone(scan.labels[number], region, _border(scan, number).on(region))
+            yield Zone(scan.labels[number], region, _border(scan, spans[number]).on(region))
 
 
-def _joined(strips: Strips, chosen: Flags) -> Region:
+def _places(numbers: Integers) -> dict[int, Integers]:
+    """Return where each number stands in an array, ascending."""
+    order = np.argsort(numbers, kind="stable")
+    found, first = np.unique(numbers[order], return_index=True)
+    parts = np.split(order, first[1:])  # one part, also of nothing
+    return dict(zip(found.tolist(), parts, strict=False))
+
+
+def _joined(strips: Strips, chosen: Integers) -> Region:
     """Return the union of the chosen strips.
 
     Strips that share an interval share a whole side, and no two overlap; so the fast union for
@@ -184,9 +196,9 @@ def _joined(strips: Strips, chosen: Flags) -> Region:
     return union(strips.shapes[chosen])
 
 
-def _border(scan: Scan, number: int) -> Border:
-    """Return all characteristic points of a label (Alg. 2, l. 38-39)."""
-    spans, mine = scan.intervals, scan.intervals.label == number
+def _border(scan: Scan, mine: Integers) -> Border:
+    """Return all characteristic points of the intervals of a label (Alg. 2, l. 38-39)."""
+    spans = scan.intervals
     xy = np.concatenate([scan.near_points(mine), scan.far_points(mine)])
     occupancy = np.concatenate([spans.near_occupancy[mine], spans.far_occupancy[mine]])
     kept = occupancy != Occupancy.NONE
@@ -207,10 +219,11 @@ def _nearest(zones: tuple[Zone, ...], position: Point) -> str | None:
 
 def _seen_links(here: str, scan: Scan, strips: Strips, zones: tuple[Zone, ...]) -> Iterator[Link]:
     """Yield a link from here to every other zone (Alg. 3, l. 13-29)."""
-    label = scan.intervals.label[strips.left]
+    places = _places(scan.intervals.label[strips.left])
+    named = {scan.labels[number]: found for number, found in places.items()}
     for zone in zones:
         if zone.label != here:
-            yield Link(here, zone.label, strips.shapes[label == scan.labels.index(zone.label)])
+            yield Link(here, zone.label, strips.shapes[named[zone.label]])
 
 
 def _adjacent_links(scan: Scan, strips: Strips, known: set[str]) -> Iterator[Link]:
@@ -221,9 +234,12 @@ def _adjacent_links(scan: Scan, strips: Strips, known: set[str]) -> Iterator[Lin
     """
     spans = scan.intervals
     source, target = spans.source[strips.left], spans.label[strips.left]
-    entered = (source >= 0) & (source == spans.source[strips.right])
-    pairs = {(int(s), int(t)) for s, t in zip(source[entered], target[entered], strict=True)}
-    for s, t in sorted(pairs, key=lambda pair: (scan.labels[pair[1]], scan.labels[pair[0]])):
-        if {scan.labels[s], scan.labels[t]} <= known:
-            leading = entered & (source == s) & (target == t)
-            yield Link(scan.labels[s], scan.labels[t], strips.shapes[leading])
+    (entered,) = np.nonzero((source >= 0) & (source == spans.source[strips.right]))
+    count = len(scan.labels)
+    leading = {
+        (scan.labels[pair // count], scan.labels[pair % count]): strips.shapes[entered[found]]
+        for pair, found in _places(source[entered] * count + target[entered]).items()
+    }
+    for one, other in sorted(leading, key=lambda pair: (pair[1], pair[0])):
+        if {one, other} <= known:
+            yield Link(one, other, leading[one, other])

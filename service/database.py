@@ -32,7 +32,14 @@ except ImportError:  # no wheel for this platform
 _log = logging.getLogger(__name__)
 
 _MIGRATION_LOCK = 7_305_001_921  # any number, the same in every process
-_BUSY_MS = 5_000  # to wait for others that write to a SQLite file
+_BUSY_MS = 5_000  # to wait for others that write to a SQLite file, or to the same rows
+_POSTGRESQL_QUERY = {
+    "connect_timeout": "5",  # s
+    "tcp_user_timeout": "10000",  # ms; then a server that does not respond counts as gone
+    # a process that stands still must not hold up the others for ever
+    "options": f"-c lock_timeout={_BUSY_MS} -c idle_in_transaction_session_timeout=30000",
+}
+"""What a PostgreSQL URL asks for unless it says otherwise."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -79,6 +86,7 @@ def migrate(engine: Engine) -> None:
     with engine.begin() as connection:
         if engine.dialect.name == "postgresql":
             lock = text("SELECT pg_advisory_xact_lock(:number)")
+            connection.execute(text("SET LOCAL lock_timeout = 0"))  # however long it takes
             connection.execute(lock, {"number": _MIGRATION_LOCK})
         command.upgrade(migration_config(connection), "head")
 
@@ -104,9 +112,13 @@ def _checked(database: str) -> URL:
 
 
 def _open_postgresql(url: URL) -> Database:
-    writer = create_engine(url, pool_size=16, max_overflow=0, pool_pre_ping=True)
+    missing = {name: value for name, value in _POSTGRESQL_QUERY.items() if name not in url.query}
+    writer = create_engine(
+        url.update_query_dict(missing), pool_size=16, max_overflow=0, pool_pre_ping=True
+    )
     # one reading sees one state, however many queries it makes; on SQLite that is always so
-    return Database(writer, writer.execution_options(isolation_level="REPEATABLE READ"))
+    reader = writer.execution_options(isolation_level="REPEATABLE READ", postgresql_readonly=True)
+    return Database(writer, reader)
 
 
 def _open_sqlite(url: URL) -> Database:

@@ -1,9 +1,12 @@
-"""Refuse request bodies that are too large, before they fill the memory.
+"""Refuse request bodies that are too large, or not JSON, before they fill the memory.
 
-Starlette has a limit of its own, but answers in plain text where the length is declared.
+Starlette has a limit of its own, but answers in plain text where the length is declared; and
+FastAPI takes a body that does not say it is JSON for a text.
 """
 
 from __future__ import annotations
+
+import re
 
 from starlette.datastructures import Headers
 from starlette.exceptions import HTTPException
@@ -12,10 +15,12 @@ from starlette.types import ASGIApp, Message, Receive, Scope, Send
 from service.errors import Problem
 
 _TOO_LARGE = 413
+_UNSUPPORTED = 415
+_JSON = re.compile(r"application/([^;\s]+\+)?json\s*(;.*)?", re.IGNORECASE)
 
 
 class BodyLimit:
-    """ASGI middleware: a body of more than `bytes_max` bytes gets a problem with status 413."""
+    """ASGI middleware: a body of more than `bytes_max` bytes, or of another type, is a problem."""
 
     def __init__(self, app: ASGIApp, bytes_max: int) -> None:
         """Wrap an application."""
@@ -23,12 +28,17 @@ class BodyLimit:
         self._bytes_max = bytes_max
 
     async def __call__(self, scope: Scope, receive: Receive, send: Send) -> None:
-        """Judge by the declared length, and by the bytes that come in."""
+        """Judge by what is declared, and by the bytes that come in."""
         if scope["type"] != "http":
             await self._app(scope, receive, send)
-        elif int(Headers(scope=scope).get("content-length", 0)) > self._bytes_max:
+            return
+        headers = Headers(scope=scope)
+        if int(headers.get("content-length", 0)) > self._bytes_max:
             problem = Problem(_TOO_LARGE, "body_too_large", "body too large")
             await problem(scope, receive, send)
+        elif scope["method"] == "POST" and not _is_json(headers):
+            detail = "send JSON, with Content-Type: application/json"
+            await Problem(_UNSUPPORTED, "unsupported_media_type", detail)(scope, receive, send)
         else:
             await self._app(scope, self._counted(receive), send)
 
@@ -45,3 +55,11 @@ class BodyLimit:
             return message
 
         return counted
+
+
+def _is_json(headers: Headers) -> bool:
+    """Say whether a body is declared as JSON, or there is none."""
+    kind = headers.get("content-type")
+    if kind is None:
+        return "transfer-encoding" not in headers and headers.get("content-length", "0") == "0"
+    return _JSON.fullmatch(kind.strip()) is not None

@@ -14,6 +14,7 @@ from fastapi.exceptions import RequestValidationError
 from sqlalchemy.exc import DBAPIError
 from sqlalchemy.exc import TimeoutError as PoolTimeoutError
 from starlette.exceptions import HTTPException
+from starlette.routing import Match
 
 from semtopo.errors import (
     InvalidInputError,
@@ -40,6 +41,12 @@ class NoWorldError(SemtopoError):
     """A step without a scan was sent to a session that has no world to sense."""
 
     code: ClassVar[str] = "no_world"
+
+
+class MapFullError(SemtopoError):
+    """A map has become too large to grow further; begin another session."""
+
+    code: ClassVar[str] = "map_full"
 
 
 class SequenceGapError(SemtopoError):
@@ -121,6 +128,7 @@ STATUS: dict[type[SemtopoError], int] = {
     UnknownKeyError: 404,
     NoRouteError: 409,
     NoWorldError: 409,
+    MapFullError: 409,
     SequenceGapError: 409,
     SequenceReusedError: 422,
     KeyReusedError: 422,
@@ -135,6 +143,8 @@ STATUS: dict[type[SemtopoError], int] = {
 
 ERRORS_MAX = 10
 """How many mistakes of one request are named."""
+
+_METHOD_NOT_ALLOWED = 405
 
 _RETRY_AFTER = {"Retry-After": "1"}
 
@@ -191,6 +201,11 @@ def register(app: FastAPI) -> None:
 
 async def _domain_problem(_request: Request, error: Exception) -> Problem:
     assert isinstance(error, SemtopoError)  # noqa: S101 -- registered for nothing else
+    return problem_of(error)
+
+
+def problem_of(error: SemtopoError) -> Problem:
+    """Return an error as a problem."""
     status = status_of(type(error))
     more = {"expected": error.expected} if isinstance(error, SequenceGapError) else {}
     headers = _HEADERS.get(status)
@@ -203,8 +218,7 @@ async def _request_problem(_request: Request, error: Exception) -> Problem:
     if found[0]["type"] == "json_invalid":
         return Problem(400, "malformed_json", "the body is not JSON")
     mistakes = [
-        {"at": [str(part)[:40] for part in one["loc"][:8]], "what": one["msg"][:200]}
-        for one in found
+        {"at": _place(one), "what": one["msg"].removeprefix("Value error, ")[:200]} for one in found
     ]
     place = next((part for part in found[0]["loc"][1:] if part in _DOCUMENT_CODES), None)
     code = _DOCUMENT_CODES.get(str(place), InvalidRequestError.code)
@@ -212,11 +226,33 @@ async def _request_problem(_request: Request, error: Exception) -> Problem:
     return Problem(422, code, f"{where}: {mistakes[0]['what']}", errors=mistakes)
 
 
-async def _plain_problem(_request: Request, error: Exception) -> Problem:
+def _place(mistake: dict[str, Any]) -> list[str]:
+    """Return where a mistake is: our own names and numbers, and `?` for a name that came in."""
+    parts = [str(part) for part in mistake["loc"][:8]]
+    if mistake["type"] == "extra_forbidden":
+        parts[-1] = "?"
+    if "kinds" in parts[:-1]:
+        parts[parts.index("kinds") + 1] = "?"
+    return parts
+
+
+async def _plain_problem(request: Request, error: Exception) -> Problem:
     assert isinstance(error, HTTPException)  # noqa: S101 -- registered for nothing else
     code = _PLAIN_CODES.get(error.status_code, "refused")
-    headers = dict(error.headers) if error.headers else None
+    headers = dict(error.headers) if error.headers else {}
+    if error.status_code == _METHOD_NOT_ALLOWED:
+        headers["Allow"] = ", ".join(_methods(request))
     return Problem(error.status_code, code, code.replace("_", " "), headers)
+
+
+def _methods(request: Request) -> list[str]:
+    """Return every method that the path of a request has; Starlette names those of one route."""
+    return [
+        method
+        for method in ("DELETE", "GET", "HEAD", "PATCH", "POST", "PUT")
+        for route in request.app.router.routes
+        if route.matches({**request.scope, "method": method})[0] is Match.FULL
+    ]
 
 
 async def _storage_problem(_request: Request, _error: Exception) -> Problem:

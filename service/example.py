@@ -2,11 +2,12 @@
 
 from __future__ import annotations
 
+from contextlib import suppress
 from pathlib import Path
 
 from semtopo import PoseDocument, WorldDocument
 from semtopo.formats.path import read_path
-from service.errors import UnknownSessionError
+from service.errors import StorageError, UnknownSessionError
 from service.routes import new_session, step_request
 from service.schemas import SessionRequest, StepDocument
 from service.sessions import Sessions
@@ -21,8 +22,9 @@ async def make_example(sessions: Sessions, folder: Path) -> None:
     try:
         driven = (await sessions.find(SESSION_ID)).state.seq
     except UnknownSessionError:
-        await sessions.create(new_session(SESSION_ID, SessionRequest(world=world)))
+        with suppress(StorageError):  # another process may just have done so
+            await sessions.create(new_session(SESSION_ID, SessionRequest(world=world)))
         driven = 0
-    for pose in path[driven:]:
-        document = StepDocument(pose=PoseDocument(x=pose.x, y=pose.y, theta=pose.theta))
+    for seq, pose in enumerate(path[driven:], start=driven + 1):
+        document = StepDocument(pose=PoseDocument(x=pose.x, y=pose.y, theta=pose.theta), seq=seq)
         await sessions.step(SESSION_ID, step_request(document))

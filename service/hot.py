@@ -8,6 +8,7 @@ from __future__ import annotations
 
 import math
 from collections import OrderedDict
+from collections.abc import Callable, Iterable
 from dataclasses import dataclass, replace
 from typing import Generic, TypeVar
 
@@ -15,6 +16,7 @@ from sqlalchemy import Connection
 
 from semtopo import (
     LabelledRuns,
+    MappedZone,
     MappingDocument,
     MappingOptions,
     MapState,
@@ -29,9 +31,26 @@ from semtopo import (
     scan_world,
     step,
 )
+from semtopo.geometry import count_vertices
 from service import store
-from service.errors import NoWorldError, UnknownSessionError
+from service.errors import MapFullError, NoWorldError, UnknownSessionError
 from service.stopwatch import Stopwatch
+
+SESSION_BYTES = 5_000
+WORLD_ZONE_BYTES = 1_300
+MAP_ZONE_BYTES = 1_500
+POINT_BYTES = 20
+"""What a session takes in memory, and in it a zone of its world, a zone of its map with its
+passages, and there a vertex or border point (measured: 1.2 kB, 1.3 kB, 17 bytes)."""
+
+MAP_ZONES_MAX = 10_000
+MAP_BYTES_MAX = 2**26  # some three million vertices and border points
+
+LIGHT_READINGS = 500_000
+"""Samples of a sensor times zones of a world, at most 3 ms to read."""
+
+LIGHT_MAP_BYTES = 2**19
+"""A larger map has zones whose union with what is seen may take more than some ms."""
 
 Key = TypeVar("Key")
 Value = TypeVar("Value")
@@ -48,16 +67,41 @@ class HotSession:
     state: MapState
     step_ms: float = math.inf
     """How long the last step took to compute; unknown before the first."""
+    map_bytes: int = 0
+    """About what the map takes in memory."""
+
+    @property
+    def seq(self) -> int:
+        """The last step that the map holds."""
+        return self.state.seq
 
     @property
     def tag(self) -> str:
         """The entity tag of the map as it is (RFC 9110, 8.8.3)."""
         return entity_tag(self.row.number, self.state.seq)
 
+    @property
+    def weight(self) -> int:
+        """About what the session takes in memory, in bytes."""
+        world = 0 if self.world is None else len(self.world.zones)
+        return SESSION_BYTES + WORLD_ZONE_BYTES * world + self.map_bytes
+
+    @property
+    def is_light(self) -> bool:
+        """Whether no step can take very long, wherever in the world the robot is."""
+        world = 0 if self.world is None else len(self.world.zones)
+        readings = self.sensor.beams * self.sensor.samples * world
+        return readings <= LIGHT_READINGS and self.map_bytes <= LIGHT_MAP_BYTES
+
     def after(self, state: MapState, step_ms: float) -> HotSession:
         """Return the session with the map after one more step, which took `step_ms`."""
+        before, changed = self.state.metric, state.metric.changed_since(self.state.metric)
+        replaced = [before.zones[zone.zone_id] for zone in changed if zone.zone_id in before.zones]
+        grown = _bytes_of(changed) - _bytes_of(replaced)
         row = replace(self.row, version=state.seq)
-        return replace(self, row=row, state=state, step_ms=step_ms)
+        return replace(
+            self, row=row, state=state, step_ms=step_ms, map_bytes=self.map_bytes + grown
+        )
 
     def take(self, pose: Pose, seen: LabelledRuns | None, watch: Stopwatch) -> Step:
         """Take one step: with what a real sensor saw, else with the simulated one.
@@ -66,7 +110,11 @@ class HotSession:
         ------
         NoWorldError
             There is neither a scan nor a world.
+        MapFullError
+            The map has, or would get, more than it may.
         """
+        if self.map_bytes > MAP_BYTES_MAX:
+            raise MapFullError("this map has as many points as it may")
         if seen is not None:
             scan = from_runs(pose, seen)
             watch.ended(Stage.ANALYSIS)
@@ -74,7 +122,10 @@ class HotSession:
             scan = scan_world(self.world, self.sensor, pose.position, watch.ended)
         else:
             raise NoWorldError("this session has no world to sense, so a step needs a scan")
-        return step(self.state, scan, self.options, watch.ended)
+        taken = step(self.state, scan, self.options, watch.ended)
+        if len(taken.state.metric.zones) > MAP_ZONES_MAX:
+            raise MapFullError(f"a map has at most {MAP_ZONES_MAX} zones")
+        return taken
 
 
 def entity_tag(session: int, seq: int) -> str:
@@ -99,35 +150,55 @@ def load(connection: Connection, session_id: str, known: HotSession | None) -> H
     world = None if row.world is None else WorldDocument.model_validate_json(row.world).value()
     sensor = SensorDocument.model_validate_json(row.sensor).value()
     options = MappingDocument.model_validate_json(row.mapping).value()
-    return HotSession(row, world, sensor, options, store.load_state(connection, row))
+    state = store.load_state(connection, row)
+    map_bytes = _bytes_of(state.metric.zones.values())
+    return HotSession(row, world, sensor, options, state, map_bytes=map_bytes)
+
+
+def _bytes_of(zones: Iterable[MappedZone]) -> int:
+    """Return about what zones of a map take in memory."""
+    return sum(
+        MAP_ZONE_BYTES + POINT_BYTES * (count_vertices(zone.region) + len(zone.border.xy))
+        for zone in zones
+    )
 
 
 class Recent(Generic[Key, Value]):
     """A dictionary that forgets what was not used for longest. For one thread only."""
 
-    def __init__(self, size: int) -> None:
-        """Make room for `size` entries."""
+    def __init__(self, size: int, weight_max: int, weigh: Callable[[Value], int]) -> None:
+        """Make room for `size` entries that weigh up to `weight_max` together."""
         self._size = size
-        self._entries: OrderedDict[Key, Value] = OrderedDict()
+        self._weight_max = weight_max
+        self._weigh = weigh
+        self._weight = 0
+        self._entries: OrderedDict[Key, tuple[Value, int]] = OrderedDict()
 
     def __len__(self) -> int:
         """Return the number of entries."""
         return len(self._entries)
+
+    @property
+    def weight(self) -> int:
+        """What all entries weigh."""
+        return self._weight
 
     def get(self, key: Key) -> Value | None:
         """Return an entry, which thereby becomes the most recent one."""
         if key not in self._entries:
             return None
         self._entries.move_to_end(key)
-        return self._entries[key]
+        return self._entries[key][0]
 
     def put(self, key: Key, value: Value) -> None:
-        """Keep an entry, and forget the oldest one if there are too many."""
-        self._entries[key] = value
-        self._entries.move_to_end(key)
-        if len(self._entries) > self._size:
-            self._entries.popitem(last=False)
+        """Keep an entry, and forget the oldest where there are too many; it stays if alone."""
+        self.drop(key)
+        self._entries[key] = value, self._weigh(value)
+        self._weight += self._entries[key][1]
+        while len(self) > 1 and (len(self) > self._size or self._weight > self._weight_max):
+            self.drop(next(iter(self._entries)))
 
     def drop(self, key: Key) -> None:
         """Forget an entry, if it is there."""
-        self._entries.pop(key, None)
+        _, weight = self._entries.pop(key, (None, 0))
+        self._weight -= weight

@@ -6,6 +6,7 @@ the map has moved on since. So the Idempotency-Key comes first, then `seq`, then
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import TypeAlias
 
@@ -43,7 +44,7 @@ class Computed:
     step: Step
     answer: str
     taken_at: str
-    step_ms: float
+    timings_ms: Mapping[str, float]
 
 
 @dataclass(frozen=True, slots=True)
@@ -78,8 +79,8 @@ def record(
     refusal = _refusal(request, hot)
     if refusal is not None:
         current = store.find_version(connection, hot.row.id)
-        return refusal if current == (hot.row.number, hot.state.seq) else Stale()
-    if computed is None or not store.advance(connection, hot.row.number, hot.state.seq):
+        return refusal if current == (hot.row.number, hot.seq) else Stale()
+    if computed is None or not store.advance(connection, hot.row.number, hot.seq):
         return Stale()
     after = computed.step.state
     logged = store.LoggedStep(
@@ -99,7 +100,7 @@ def _earlier(connection: Connection, request: StepRequest, hot: HotSession) -> O
         if logged is not None:
             reused = KeyReusedError("this Idempotency-Key came with another step before")
             return _answer(logged, request, reused)
-    if request.seq is not None and request.seq <= hot.state.seq:
+    if request.seq is not None and request.seq <= hot.seq:
         logged = store.find_step(connection, number, request.seq)
         if logged is not None:
             return _answer(logged, request, SequenceReusedError("another step has this seq"))
@@ -113,7 +114,7 @@ def _answer(logged: store.LoggedStep, request: StepRequest, reused: SemtopoError
 
 def _refusal(request: StepRequest, hot: HotSession) -> SemtopoError | None:
     """Return why a step cannot follow on the map of `hot`, if it cannot."""
-    following = hot.state.seq + 1
+    following = hot.seq + 1
     if request.seq is not None and request.seq > following:
         return SequenceGapError(following)
     if request.if_match is not None and not request.if_match & {"*", hot.tag}:

@@ -4,11 +4,13 @@ from __future__ import annotations
 
 import hashlib
 import secrets
+from asyncio import to_thread
 from importlib.metadata import version
 from typing import Annotated, Any
 
 import orjson
-from fastapi import APIRouter, Query, Response
+from fastapi import APIRouter, Query, Request, Response
+from fastapi.responses import JSONResponse
 
 from semtopo.codec import answer_document, route_document
 from service import schemas
@@ -21,17 +23,21 @@ from service.parameters import (
     IfMatch,
     IfNoneMatch,
     Limit,
-    Owner,
     SessionId,
-    SessionsOf,
     ZoneName,
+    bounding_box,
+    entity_tags,
+    idempotency_key,
+    is_known,
+    owner_of,
+    sessions_of,
 )
 from service.recording import StepRequest
 from service.schemas import problems
 from service.sessions import Body, now
-from service.store import LoggedStep, NewSession, SessionRow
+from service.store import LoggedStep, NewSession, SessionHead
 
-router = APIRouter(responses=problems(400, 401, 404, 413, 422, 503))
+router = APIRouter(responses=problems(401, 413, 422, 503))
 
 
 class JsonBytes(Response):
@@ -40,47 +46,63 @@ class JsonBytes(Response):
     media_type = "application/json"
 
 
-class GeoJsonBytes(Response):
+class GeoJsonBytes(JSONResponse):
     """GeoJSON that is written already."""
 
     media_type = "application/geo+json"
 
+    def render(self, content: bytes) -> bytes:
+        """Return it as it is."""
+        return content
 
-@router.post("/sessions", status_code=201, response_model=schemas.SessionAnswer, tags=["sessions"])
-async def create_session(
-    sessions: SessionsOf, owner: Owner, request: schemas.SessionRequest
-) -> Response:
+
+@router.post(
+    "/sessions",
+    status_code=201,
+    response_model=schemas.SessionAnswer,
+    responses=problems(400, 415),
+    tags=["sessions"],
+)
+async def create_session(request: Request, document: schemas.SessionRequest) -> Response:
     """Begin a session with an empty map."""
-    hot = await sessions.create(new_session(secrets.token_hex(8), request, owner))
+    # in a thread, since a large world takes some time to be checked
+    new = await to_thread(new_session, secrets.token_hex(8), document, owner_of(request))
+    hot = await sessions_of(request).create(new)
     headers = {"Location": f"/sessions/{hot.row.id}"}
     return JsonBytes(orjson.dumps(_session(hot)), 201, headers)
 
 
 @router.get("/sessions", response_model=schemas.SessionsAnswer, tags=["sessions"])
 async def list_sessions(
-    sessions: SessionsOf,
-    owner: Owner,
+    request: Request,
     cursor: Annotated[str, Query(pattern=r"^\d{1,18}$")] = "0",
     limit: Limit = 100,
 ) -> Response:
     """List sessions, oldest first."""
-    rows = await sessions.page(owner, int(cursor), limit + 1)
+    rows = await sessions_of(request).page(owner_of(request), int(cursor), limit + 1)
     page = rows[:limit]
     following = str(page[-1].number) if len(rows) > limit else None
     listed = [_listed(row) for row in page]
     return JsonBytes(orjson.dumps({"sessions": listed, "next": following}))
 
 
-@router.get("/sessions/{session_id}", response_model=schemas.SessionAnswer, tags=["sessions"])
-async def read_session(sessions: SessionsOf, session_id: SessionId) -> Response:
+@router.get(
+    "/sessions/{session_id}",
+    response_model=schemas.SessionAnswer,
+    responses=problems(404),
+    tags=["sessions"],
+)
+async def read_session(request: Request, session_id: SessionId) -> Response:
     """Tell about a session."""
-    return JsonBytes(orjson.dumps(_session(await sessions.find(session_id))))
+    return JsonBytes(orjson.dumps(_session(await sessions_of(request).find(session_id))))
 
 
-@router.delete("/sessions/{session_id}", status_code=204, tags=["sessions"])
-async def delete_session(sessions: SessionsOf, session_id: SessionId) -> Response:
+@router.delete(
+    "/sessions/{session_id}", status_code=204, responses=problems(404), tags=["sessions"]
+)
+async def delete_session(request: Request, session_id: SessionId) -> Response:
     """Delete a session, its map and its log."""
-    await sessions.delete(session_id)
+    await sessions_of(request).delete(session_id)
     return Response(status_code=204)
 
 
@@ -88,95 +110,99 @@ async def delete_session(sessions: SessionsOf, session_id: SessionId) -> Respons
     "/sessions/{session_id}/step",
     status_code=201,
     response_model=schemas.StepAnswer,
-    responses=problems(409, 412),
+    responses=problems(400, 404, 409, 412, 415),
     tags=["mapping"],
 )
 async def take_step(
-    sessions: SessionsOf,
+    request: Request,
     session_id: SessionId,
     document: schemas.StepDocument,
-    key: IdempotencyKey,
-    tags: IfMatch,
+    key: IdempotencyKey = None,
+    if_match: IfMatch = None,
 ) -> Response:
     """Take a step. It is on disk before the answer leaves; a retry gets the first answer again."""
-    body = await sessions.step(session_id, step_request(document, key, tags))
+    asked = step_request(document, idempotency_key(key), entity_tags(if_match))
+    body = await sessions_of(request).step(session_id, asked)
     headers = {"ETag": body.tag}
     if body.replayed:
         headers["Idempotency-Replayed"] = "true"
     return JsonBytes(body.content, 201, headers)
 
 
-@router.get("/sessions/{session_id}/steps", response_model=schemas.StepsAnswer, tags=["mapping"])
+@router.get(
+    "/sessions/{session_id}/steps",
+    response_model=schemas.StepsAnswer,
+    responses=problems(404),
+    tags=["mapping"],
+)
 async def list_steps(
-    sessions: SessionsOf, session_id: SessionId, after: AfterStep = 0, limit: Limit = 100
+    request: Request, session_id: SessionId, after: AfterStep = 0, limit: Limit = 100
 ) -> Response:
     """Read the log: every step with its input and its answer, in order."""
-    logged = await sessions.steps(session_id, after, limit + 1)
-    page = logged[:limit]
-    following = page[-1].seq if len(logged) > limit else None
+    page, more = await sessions_of(request).steps(session_id, after, limit)
+    following = page[-1].seq if more else None
     return JsonBytes(orjson.dumps({"steps": [_step(one) for one in page], "next": following}))
 
 
 @router.get(
     "/sessions/{session_id}/graph",
     response_model=schemas.GraphAnswer,
-    responses={304: {"description": "unchanged"}},
+    responses={304: {"description": "unchanged"}, **problems(404)},
     tags=["map"],
 )
 async def read_graph(
-    sessions: SessionsOf, session_id: SessionId, known: IfNoneMatch, at: AtStep = None
+    request: Request, session_id: SessionId, if_none_match: IfNoneMatch = None, at: AtStep = None
 ) -> Response:
     """Read the topology graph, now or as of a step."""
-    body = await sessions.graph(session_id, at)
-    return _unless_known(JsonBytes, body, known)
+    body = await sessions_of(request).graph(session_id, at)
+    return _unless_known(JsonBytes, body, if_none_match)
 
 
 @router.get(
     "/sessions/{session_id}/zones",
     response_model=schemas.ZonesAnswer,
-    responses={304: {"description": "unchanged"}},
+    response_class=GeoJsonBytes,
+    responses={304: {"description": "unchanged"}, **problems(404)},
     tags=["map"],
 )
 async def read_zones(
-    sessions: SessionsOf,
+    request: Request,
     session_id: SessionId,
-    known: IfNoneMatch,
-    box: BoundingBox,
+    if_none_match: IfNoneMatch = None,
+    box: BoundingBox = None,
     at: AtStep = None,
 ) -> Response:
     """Read the metric map as GeoJSON, now or as of a step; of all zones, or those in a box."""
-    body = await sessions.zones(session_id, at, box)
-    return _unless_known(GeoJsonBytes, body, known)
+    body = await sessions_of(request).zones(session_id, at, bounding_box(box))
+    return _unless_known(GeoJsonBytes, body, if_none_match)
 
 
 @router.get(
     "/sessions/{session_id}/route",
     response_model=schemas.RouteAnswer,
-    responses=problems(409),
+    responses=problems(404, 409),
     tags=["answers"],
 )
 async def read_route(
-    sessions: SessionsOf,
+    request: Request,
     session_id: SessionId,
     source: Annotated[ZoneName, Query(alias="from")],
     target: Annotated[ZoneName, Query(alias="to")],
 ) -> Response:
     """Find the route with the fewest passages, then the shortest between passage points."""
-    route = await sessions.route(session_id, source, target)
+    route = await sessions_of(request).route(session_id, source, target)
     return JsonBytes(orjson.dumps(route_document(route)))
 
 
 @router.post(
     "/sessions/{session_id}/query",
     response_model=schemas.QueryAnswer,
-    responses=problems(409),
+    responses=problems(400, 404, 409, 415),
     tags=["answers"],
 )
-async def ask(
-    sessions: SessionsOf, session_id: SessionId, question: schemas.QueryRequest
-) -> Response:
+async def ask(request: Request, session_id: SessionId, question: schemas.QueryRequest) -> Response:
     """Answer a question in words, such as "path from corridor to C"."""
-    answer = await sessions.answer(session_id, question.text)
+    answer = await sessions_of(request).answer(session_id, question.text)
     return JsonBytes(orjson.dumps(answer_document(answer)))
 
 
@@ -224,7 +250,7 @@ def _session(hot: HotSession) -> dict[str, Any]:
     }
 
 
-def _listed(row: SessionRow) -> dict[str, Any]:
+def _listed(row: SessionHead) -> dict[str, Any]:
     return {"id": row.id, "name": row.name, "created_at": row.created_at, "seq": row.version}
 
 
@@ -237,9 +263,9 @@ def _step(logged: LoggedStep) -> dict[str, Any]:
     }
 
 
-def _unless_known(kind: type[Response], body: Body, known: frozenset[str]) -> Response:
+def _unless_known(kind: type[Response], body: Body, if_none_match: str | None) -> Response:
     """Return a body with its entity tag, or 304 if the client has it (RFC 9110, 13.1.2)."""
     headers = {"ETag": body.tag, "Cache-Control": "no-cache"}
-    if known & {body.tag, "*"}:
+    if is_known(if_none_match, body.tag):
         return Response(status_code=304, headers=headers)
     return kind(body.content, headers=headers)

@@ -8,7 +8,7 @@ from __future__ import annotations
 
 from typing import Annotated, Any, Literal
 
-from pydantic import BaseModel, Field
+from pydantic import BaseModel, BeforeValidator, Field
 
 from semtopo.documents import (
     Document,
@@ -22,13 +22,22 @@ from semtopo.documents import (
 
 SEQ_MAX = 2**31 - 1
 TEXT_MAX = 2_000  # characters of a question
+ZONES_MAX = 10_000  # of a world; the library and the command take more
+
+
+def _few_zones(given: object) -> object:
+    """Refuse a world of too many zones, before each is looked at."""
+    zones = given.get("zones") if isinstance(given, dict) else None
+    if isinstance(zones, list) and len(zones) > ZONES_MAX:
+        raise ValueError(f"a world has at most {ZONES_MAX} zones")
+    return given
 
 
 class SessionRequest(Document):
     """A new session: with a world, its sensor is simulated; without one, steps bring scans."""
 
     name: Label | None = None
-    world: WorldDocument | None = None
+    world: Annotated[WorldDocument | None, BeforeValidator(_few_zones)] = None
     sensor: SensorDocument = SensorDocument()
     mapping: MappingDocument = MappingDocument()
 
@@ -260,12 +269,6 @@ class ProblemAnswer(BaseModel):
     expected: int | None = None
 
 
-_PROBLEM: dict[str, Any] = {
-    "model": ProblemAnswer,
-    "content": {"application/problem+json": {}},
-}
-
-
 def problems(*statuses: int) -> dict[int | str, dict[str, Any]]:
     """Return the OpenAPI responses for errors of these statuses."""
-    return dict.fromkeys(statuses, _PROBLEM)
+    return {status: {"model": ProblemAnswer} for status in statuses}

@@ -32,6 +32,7 @@ from service.errors import BusyError, StorageError, UnknownSessionError, Unknown
 from service.history import state_at
 from service.hot import HotSession, Recent, entity_tag, load
 from service.keys import authenticate
+from service.metrics import Metrics
 from service.recording import Computed, Recorded, Replayed, StepRequest, record
 from service.settings import Settings
 from service.stopwatch import Stopwatch
@@ -46,7 +47,7 @@ SHORT_STEP_MS = 4.0
 """A step that takes no longer is not worth a thread: going there and back costs some 0.2 ms, and a
 thread that computes keeps the others waiting for up to 5 ms at a time, as the event loop does."""
 
-SHORT_INPUT = 2**16
+SHORT_INPUT = 2**14
 """Characters; a longer input may take much longer than the step before it."""
 
 
@@ -62,15 +63,25 @@ class Body:
 class Sessions:
     """All sessions of one database, as one process sees them. For one event loop only."""
 
-    def __init__(self, database: Database, writer: Writer, settings: Settings) -> None:
+    def __init__(
+        self, database: Database, writer: Writer, settings: Settings, metrics: Metrics
+    ) -> None:
         """Begin with nothing in memory."""
         self._database = database
+        self._metrics = metrics
         self._writer = writer
-        self._hot: Recent[str, HotSession] = Recent(settings.hot_sessions_max)
-        self._bodies: Recent[tuple[str, str], Body] = Recent(settings.cached_bodies_max)
+        self._hot: Recent[str, HotSession] = Recent(
+            settings.hot_sessions_max, settings.hot_bytes_max, lambda hot: hot.weight
+        )
+        self._bodies: Recent[tuple[str, str], Body] = Recent(
+            settings.cached_bodies_max, settings.cached_bytes_max, lambda body: len(body.content)
+        )
         self._turns: WeakValueDictionary[str, asyncio.Lock] = WeakValueDictionary()
         self._running: set[asyncio.Task[Any]] = set()
         self._steps_max = settings.queue_max
+        metrics.show("hot_sessions", "Sessions in memory", lambda: len(self._hot))
+        metrics.show("hot_bytes", "What they take, as estimated", lambda: self._hot.weight)
+        metrics.show("waiting_steps", "Steps that have not ended", lambda: len(self._running))
 
     async def create(self, new: store.NewSession) -> HotSession:
         """Store a new session."""
@@ -79,13 +90,14 @@ class Sessions:
 
     async def find(self, session_id: str) -> HotSession:
         """Return a session as it is stored; raises UnknownSessionError."""
-        found = await self._read(
-            partial(load, session_id=session_id, known=self._hot.get(session_id))
-        )
-        self._hot.put(session_id, found)
+        query = partial(load, session_id=session_id, known=self._hot.get(session_id))
+        found = await self._read(query)
+        newest = self._hot.get(session_id)
+        if newest is None or newest.row.number != found.row.number or newest.seq < found.seq:
+            self._hot.put(session_id, found)  # while this was read, a step may have gone further
         return found
 
-    async def page(self, owner: int | None, after: int, limit: int) -> list[store.SessionRow]:
+    async def page(self, owner: int | None, after: int, limit: int) -> list[store.SessionHead]:
         """Return up to `limit` sessions of an owner, or of all, as `store.list_sessions` does."""
         query = partial(store.list_sessions, owner=owner, after=after, limit=limit)
         return await self._read(query)
@@ -110,6 +122,7 @@ class Sessions:
         many steps have begun already.
         """
         if len(self._running) >= self._steps_max:
+            self._metrics.count_step("busy")
             raise BusyError("too many steps are waiting")
         return await self._to_its_end(self._step_in_turn(session_id, request))
 
@@ -127,10 +140,12 @@ class Sessions:
         content = await asyncio.to_thread(lambda: graph_body(hot.state.graph.at(seq), seq))
         return Body(content, entity_tag(hot.row.number, seq))
 
-    async def steps(self, session_id: str, after: int, limit: int) -> list[store.LoggedStep]:
-        """Return up to `limit` steps after step `after`, in order."""
+    async def steps(
+        self, session_id: str, after: int, limit: int
+    ) -> tuple[list[store.LoggedStep], bool]:
+        """Return a page of the log, as `store.page_of_steps` does."""
         hot = await self.find(session_id)
-        query = partial(store.list_steps, session=hot.row.number, after=after, limit=limit)
+        query = partial(store.page_of_steps, session=hot.row.number, after=after, limit=limit)
         return await self._read(query)
 
     async def route(self, session_id: str, source: str, target: str) -> Route:
@@ -170,7 +185,8 @@ class Sessions:
             raise
         match outcome:
             case Recorded() if computed is not None:
-                after = hot.after(computed.step.state, computed.step_ms)
+                after = hot.after(computed.step.state, computed.timings_ms["total"])
+                self._metrics.time_stages(computed.timings_ms)
                 self._hot.put(hot.row.id, after)
                 return Body(computed.answer.encode(), after.tag)
             case Replayed(seq, content):
@@ -182,9 +198,10 @@ class Sessions:
 
     async def _compute(self, hot: HotSession, request: StepRequest) -> Computed | None:
         """Compute a step, unless it must have been taken before; a long one in a thread."""
-        if request.seq is not None and request.seq <= hot.state.seq:
+        if request.seq is not None and request.seq <= hot.seq:
             return None
-        if hot.step_ms <= SHORT_STEP_MS and len(request.input) <= SHORT_INPUT:
+        is_short = hot.step_ms <= SHORT_STEP_MS and len(request.input) <= SHORT_INPUT
+        if is_short and hot.is_light:
             return _computed(hot, request)
         return await asyncio.to_thread(_computed, hot, request)
 
@@ -203,7 +220,7 @@ class Sessions:
 
     async def _state(self, hot: HotSession, seq: int) -> MapState:
         """Return the map of a session as of step `seq`."""
-        if seq == hot.state.seq:
+        if seq == hot.seq:
             return hot.state
         return await self._read(partial(state_at, hot=hot, seq=seq))
 
@@ -215,11 +232,12 @@ class Sessions:
         with self._database.reader.begin() as connection:
             return query(connection)
 
-    async def _to_its_end(self, work: Coroutine[Any, Any, Result]) -> Result:
-        """Run work that goes on if the caller is cancelled."""
+    async def _to_its_end(self, work: Coroutine[Any, Any, Body]) -> Body:
+        """Run a step that goes on if the caller is cancelled."""
         task = asyncio.get_running_loop().create_task(work)
         self._running.add(task)
         task.add_done_callback(self._running.discard)
+        task.add_done_callback(lambda task: self._metrics.count_step(_outcome(task)))
         return await asyncio.shield(task)
 
     def _turn(self, session_id: str) -> asyncio.Lock:
@@ -230,12 +248,26 @@ class Sessions:
         return lock
 
 
+def _outcome(step: asyncio.Task[Body]) -> str:
+    """Say in a word how a step ended."""
+    error = None if step.cancelled() else step.exception()
+    match error:
+        case None:
+            return "replayed" if not step.cancelled() and step.result().replayed else "recorded"
+        case BusyError():
+            return "busy"
+        case SemtopoError() if not isinstance(error, StorageError):
+            return "refused"
+        case _:
+            return "failed"
+
+
 def _computed(hot: HotSession, request: StepRequest) -> Computed:
     watch = Stopwatch()
     taken = hot.take(request.pose, request.seen, watch)
     timings = watch.timings_ms()
     document = {**step_document(taken), "timings_ms": timings}
-    return Computed(hot, taken, to_json(document).decode(), now(), timings["total"])
+    return Computed(hot, taken, to_json(document).decode(), now(), timings)
 
 
 def now() -> str:
@@ -246,7 +278,7 @@ def now() -> str:
 def _checked(at: int | None, hot: HotSession) -> int:
     """Return the step that is asked for; raises UnknownStepError if it was not taken yet."""
     if at is None:
-        return hot.state.seq
-    if at > hot.state.seq:
-        raise UnknownStepError(f"the last step of this session is {hot.state.seq}")
+        return hot.seq
+    if at > hot.seq:
+        raise UnknownStepError(f"the last step of this session is {hot.seq}")
     return at

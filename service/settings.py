@@ -29,10 +29,16 @@ class Settings(BaseSettings):
     """The largest request body: a scan of 4,000 beams, or a world of 10,000 zones, takes less."""
 
     hot_sessions_max: int = Field(default=256, ge=1)
-    """How many maps stay in memory; a map of 5,000 border points takes about 0.3 MB."""
+    """How many sessions stay in memory, with their maps and worlds."""
+
+    hot_bytes_max: int = Field(default=2**28, ge=0)
+    """What they may take together: a zone of a world 1.3 kB, a map of 5,000 vertices 0.2 MB."""
 
     cached_bodies_max: int = Field(default=512, ge=1)
-    """How many zone and graph bodies stay in memory."""
+    """How many bodies of zones stay in memory."""
+
+    cached_bytes_max: int = Field(default=2**26, ge=0)
+    """What they may take together."""
 
     queue_max: int = Field(default=1_000, ge=1)
     """How many steps may wait; the next one is asked to come again."""

@@ -6,8 +6,8 @@ answer, the rows it changed and the new version belong to one transaction.
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Sequence
-from dataclasses import dataclass
+from collections.abc import Iterable, Iterator, Sequence
+from dataclasses import dataclass, fields
 from typing import Any
 
 from sqlalchemy import Connection, Row, and_, bindparam, delete, func, insert, select, update
@@ -22,6 +22,11 @@ from service.tables import passages, sessions, steps, zone_versions, zones
 CHECKPOINT_EVERY = 64
 """Steps between checkpoints: an earlier map is at most 63 replayed steps away (some 0.2 s)."""
 
+PAGE_CHARACTERS = 2**22
+"""Of input and answers in one page of the log; a step may bring a scan of 1 MiB."""
+
+FETCHED_AT_ONCE = 16
+"""Steps of the log."""
 
 _ADVANCE = Statement(
     update(sessions)
@@ -40,20 +45,26 @@ _GROW_ZONE = Statement(
 _ADD_PASSAGE = Statement(insert(passages))
 
 
-@dataclass(frozen=True, slots=True)
-class SessionRow:
-    """A session as it is stored; world, sensor and mapping are JSON."""
+@dataclass(frozen=True, slots=True, kw_only=True)
+class SessionHead:
+    """What a listing tells of a session; `version` is the seq of its last step."""
 
     number: int
     id: str
-    owner: int | None
     name: str
     created_at: str
+    version: int
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class SessionRow(SessionHead):
+    """A session as it is stored; world, sensor and mapping are JSON."""
+
+    owner: int | None
     world: str | None
     sensor: str
     mapping: str
     engine: str
-    version: int
 
 
 @dataclass(frozen=True, slots=True)
@@ -97,15 +108,16 @@ def find_session(connection: Connection, session_id: str) -> SessionRow | None:
 
 def list_sessions(
     connection: Connection, owner: int | None, after: int, limit: int
-) -> list[SessionRow]:
+) -> list[SessionHead]:
     """Return up to `limit` sessions, oldest first, whose number is above `after`.
 
     With an owner, only the sessions made with that API key.
     """
-    query = select(sessions).where(sessions.c.number > after).order_by(sessions.c.number)
+    columns = [sessions.c[field.name] for field in fields(SessionHead)]
+    query = select(*columns).where(sessions.c.number > after).order_by(sessions.c.number)
     if owner is not None:
         query = query.where(sessions.c.owner == owner)
-    return [SessionRow(**row) for row in connection.execute(query.limit(limit)).mappings()]
+    return [SessionHead(**row) for row in connection.execute(query.limit(limit)).mappings()]
 
 
 def delete_session(connection: Connection, session_id: str) -> bool:
@@ -167,10 +179,34 @@ def find_step_by_key(connection: Connection, session: int, key: str) -> LoggedSt
     return _one_step(connection, session, steps.c.key == key)
 
 
-def list_steps(connection: Connection, session: int, after: int, limit: int) -> list[LoggedStep]:
-    """Return up to `limit` steps of a session whose seq is above `after`, in order."""
+def list_steps(
+    connection: Connection, session: int, after: int, limit: int
+) -> Iterator[LoggedStep]:  # fmt: skip
+    """Yield up to `limit` steps of a session whose seq is above `after`, in order.
+
+    They are fetched a few at a time, since together they may be very large.
+    """
     query = select(steps).where(steps.c.session == session, steps.c.seq > after)
-    return [_logged(row) for row in connection.execute(query.order_by(steps.c.seq).limit(limit))]
+    few = query.order_by(steps.c.seq).limit(limit).execution_options(yield_per=FETCHED_AT_ONCE)
+    with connection.execute(few) as rows:
+        yield from map(_logged, rows)
+
+
+def page_of_steps(
+    connection: Connection, session: int, after: int, limit: int
+) -> tuple[list[LoggedStep], bool]:
+    """Return up to `limit` steps after step `after`, in order, and whether more follow.
+
+    A page is shorter where it would else have more than `PAGE_CHARACTERS`, but never empty.
+    """
+    page: list[LoggedStep] = []
+    size = 0
+    for logged in list_steps(connection, session, after, limit + 1):
+        size += len(logged.input) + len(logged.answer)
+        if page and (len(page) == limit or size > PAGE_CHARACTERS):
+            return page, True
+        page.append(logged)
+    return page, False
 
 
 def advance(connection: Connection, session: int, base: int) -> bool:

@@ -8,11 +8,12 @@ PostgreSQL locks rows, so there each change has a transaction of its own, on sev
 from __future__ import annotations
 
 import asyncio
+import logging
 import queue
 import threading
 from collections.abc import Callable, Iterator
-from concurrent.futures import Future, ThreadPoolExecutor
-from contextlib import AbstractContextManager, contextmanager
+from concurrent.futures import ThreadPoolExecutor
+from contextlib import AbstractContextManager, contextmanager, suppress
 from typing import Any, Protocol, TypeVar
 
 from sqlalchemy import Connection, Engine
@@ -21,10 +22,15 @@ from sqlalchemy.exc import SQLAlchemyError
 from service.database import Database
 from service.errors import BusyError, StorageError
 
+_log = logging.getLogger(__name__)
+
 Result = TypeVar("Result")
 Change = Callable[[Connection], Any]
 Begin = Callable[[], AbstractContextManager[Connection]]
 Errors = tuple[type[Exception], ...]
+
+_Item = tuple[Change, asyncio.Future[Any]]
+_Outcome = tuple[Any, Exception | None]
 
 GROUP_MAX = 64
 """Changes in one transaction; more would make the first of them wait too long."""
@@ -67,24 +73,50 @@ class GroupWriter:
         """Start the thread."""
         self._connection = engine.connect()  # kept: to take it up anew would cost 0.1 ms
         self._errors = _database_errors(engine)
-        self._waiting: queue.Queue[tuple[Change, Future[Any]] | None] = queue.Queue(queue_max)
+        self._waiting: queue.Queue[_Item | None] = queue.Queue(queue_max)
         self._thread = threading.Thread(target=self._work, name="writer")
         self._thread.start()
 
     async def commit(self, change: Callable[[Connection], Result]) -> Result:
         """Run a change together with others that are waiting; see `Writer`."""
-        future: Future[Result] = Future()
+        future: asyncio.Future[Result] = asyncio.get_running_loop().create_future()
         try:
             self._waiting.put_nowait((change, future))
         except queue.Full:
             raise BusyError("too many steps are waiting to be stored") from None
-        return await asyncio.wrap_future(future)
+        return await future
 
     def close(self) -> None:
         """Finish what was handed in, and stop the thread."""
         self._waiting.put(None)
         self._thread.join()
         self._connection.close()
+
+    def _work(self) -> None:
+        """Take group after group, until the mark that ends the work."""
+        while True:
+            group = [self._waiting.get()]
+            while len(group) < GROUP_MAX and not self._waiting.empty():
+                group.append(self._waiting.get())
+            work = [item for item in group if item is not None]
+            if work:
+                outcomes = self._outcomes([change for change, _ in work])
+                _tell([future for _, future in work], outcomes)
+            if len(work) < len(group):
+                return
+
+    def _outcomes(self, changes: list[Change]) -> list[_Outcome]:
+        """Commit changes together; if one of them fails, each alone."""
+        try:
+            with self._begin() as connection:
+                results = _run_all(connection, changes)
+        except _SpoiltError:
+            return [_outcome(self._begin, self._errors, change) for change in changes]
+        except self._errors as error:
+            return [(None, _storage_failure(error))] * len(changes)
+        except Exception as error:  # noqa: BLE001 -- the thread must live; the callers are told
+            return [(None, error)] * len(changes)
+        return [(result, None) for result in results]
 
     @contextmanager
     def _begin(self) -> Iterator[Connection]:
@@ -95,20 +127,6 @@ class GroupWriter:
         except BaseException:
             self._connection.connection.rollback()  # a commit that failed may have left it open
             raise
-
-    def _work(self) -> None:
-        """Take group after group, until the mark that ends the work."""
-        while True:
-            group = [self._waiting.get()]
-            while len(group) < GROUP_MAX and not self._waiting.empty():
-                group.append(self._waiting.get())
-            work = [item for item in group if item is not None]
-            if work and not _commit_together(self._begin, self._errors, work):
-                # one bad change must not fail the others
-                for item in work:
-                    _commit_alone(self._begin, self._errors, *item)
-            if len(work) < len(group):
-                return
 
 
 class PoolWriter:
@@ -127,11 +145,15 @@ class PoolWriter:
             raise BusyError("too many steps are waiting to be stored")
         self._free -= 1
         try:
-            future: Future[Result] = Future()
-            self._pool.submit(_commit_alone, self._begin, self._errors, change, future)
-            return await asyncio.wrap_future(future)
+            result, error = await asyncio.get_running_loop().run_in_executor(
+                self._pool, _outcome, self._begin, self._errors, change
+            )
         finally:
             self._free += 1
+        if error is not None:
+            raise error
+        made: Result = result
+        return made
 
     def close(self) -> None:
         """Finish what was handed in, and stop the threads."""
@@ -142,22 +164,6 @@ class _SpoiltError(Exception):
     """One change of a group failed, so nothing of the group was made."""
 
 
-def _commit_together(begin: Begin, errors: Errors, work: list[tuple[Change, Future[Any]]]) -> bool:
-    """Run all changes in one transaction; return False if one of them spoilt it for all."""
-    try:
-        with begin() as connection:
-            results = _run_all(connection, [change for change, _ in work])
-    except _SpoiltError:
-        return False
-    except errors as error:
-        for _, future in work:
-            _fail(future, _storage_failure(error))
-    else:
-        for (_, future), result in zip(work, results, strict=True):
-            _settle(future, result)
-    return True
-
-
 def _run_all(connection: Connection, changes: list[Change]) -> list[Any]:
     try:
         return [change(connection) for change in changes]
@@ -165,17 +171,32 @@ def _run_all(connection: Connection, changes: list[Change]) -> list[Any]:
         raise _SpoiltError from error
 
 
-def _commit_alone(begin: Begin, errors: Errors, change: Change, future: Future[Any]) -> None:
-    """Run one change in a transaction of its own, and pass on how it ended."""
+def _outcome(begin: Begin, errors: Errors, change: Change) -> _Outcome:
+    """Run one change in a transaction of its own; return its result, or how it failed."""
     try:
         with begin() as connection:
             result = change(connection)
     except errors as error:
-        _fail(future, _storage_failure(error))
+        return None, _storage_failure(error)
     except Exception as error:  # noqa: BLE001 -- the thread must live; the caller is told
-        _fail(future, error)
-    else:
-        _settle(future, result)
+        return None, error
+    return result, None
+
+
+def _tell(futures: list[asyncio.Future[Any]], outcomes: list[_Outcome]) -> None:
+    """Settle futures from another thread: the loop is woken once for all of them."""
+    with suppress(RuntimeError):  # the loop is closed: nobody waits any more
+        futures[0].get_loop().call_soon_threadsafe(_settle, futures, outcomes)
+
+
+def _settle(futures: list[asyncio.Future[Any]], outcomes: list[_Outcome]) -> None:
+    for future, (result, error) in zip(futures, outcomes, strict=True):
+        if future.cancelled():
+            continue
+        if error is None:
+            future.set_result(result)
+        else:
+            future.set_exception(error)
 
 
 def _database_errors(engine: Engine) -> Errors:
@@ -185,16 +206,7 @@ def _database_errors(engine: Engine) -> Errors:
 
 
 def _storage_failure(error: Exception) -> StorageError:
+    _log.warning("the database did not take a change: %s", error)
     failure = StorageError("the database did not take the change; it may be sent again")
     failure.__cause__ = error
     return failure
-
-
-def _settle(future: Future[Any], result: object) -> None:
-    if future.set_running_or_notify_cancel():
-        future.set_result(result)
-
-
-def _fail(future: Future[Any], error: Exception) -> None:
-    if future.set_running_or_notify_cancel():
-        future.set_exception(error)

@@ -9,7 +9,7 @@ import sys
 import time
 from collections.abc import Mapping
 from pathlib import Path
-from typing import Any
+from typing import Any, Literal
 
 import httpx2
 
@@ -17,17 +17,20 @@ SEMTOPO = Path(sys.executable).with_name("semtopo")
 START_SECONDS_MAX = 120.0
 
 Json = dict[str, Any]
+Backend = Literal["sqlite", "postgres"]
 
 
 class Server:
     """`semtopo serve` in a process of its own, on a free port of the loopback.
 
-    `settings` become SEMTOPO_... variables. The port stays the same over restarts.
+    Its database is a file in `folder`, unless a URL is given. `settings` become SEMTOPO_...
+    variables. The port stays the same over restarts.
     """
 
-    def __init__(self, folder: Path, **settings: object) -> None:
+    def __init__(self, folder: Path, url: str | None = None, **settings: object) -> None:
         """Choose a port; nothing runs yet."""
-        self.database = folder / "semtopo.db"
+        folder.mkdir(exist_ok=True)
+        self.url = f"sqlite:///{folder / 'semtopo.db'}" if url is None else url
         self.log = folder / "server.log"
         self.port = free_port()
         self.client = httpx2.Client(base_url=f"http://127.0.0.1:{self.port}", timeout=30)
@@ -35,9 +38,15 @@ class Server:
         self._process: subprocess.Popen[bytes] | None = None
 
     @property
-    def url(self) -> str:
-        """The database as SQLAlchemy writes it."""
-        return f"sqlite:///{self.database}"
+    def database(self) -> Path:
+        """The file of a database that is one."""
+        return Path(self.url.removeprefix("sqlite:///"))
+
+    @property
+    def pid(self) -> int:
+        """The number of the running process."""
+        assert self._process is not None
+        return self._process.pid
 
     def start(self) -> None:
         """Start, and wait until the server answers."""
@@ -67,7 +76,7 @@ class Server:
         self._process.terminate()
         status = self._process.wait(timeout=30)
         self._process = None
-        assert status in {0, -15}, self.log.read_text()
+        assert status == 0, self.log.read_text()
 
     def restart(self) -> None:
         """Kill -9, and start again on the same database and port."""

@@ -16,8 +16,11 @@ from semtopo.documents import (
     BEAMS_MAX,
     COORDINATE_MAX,
     LABEL_LENGTH_MAX,
+    LABELS_MAX,
     RANGE_MAX,
+    RUNS_IN_ALL_MAX,
     RUNS_MAX,
+    SAMPLES_IN_ALL_MAX,
     SAMPLES_MAX,
     Document,
     MappingDocument,
@@ -121,7 +124,7 @@ def test_what_is_no_number(wrong: object) -> None:
         (PoseDocument, POSE, "x", -COORDINATE_MAX, COORDINATE_MAX),
         (PoseDocument, POSE, "theta", -1e3, 1e3),
         (SensorDocument, {}, "beams", 1, BEAMS_MAX),
-        (SensorDocument, {}, "samples", 2, SAMPLES_MAX),
+        (SensorDocument, {"beams": 1}, "samples", 2, SAMPLES_MAX),
         (SensorDocument, {}, "range", 5e-324, RANGE_MAX),
         (MappingDocument, {}, "min_zone_area", 0, COORDINATE_MAX),
         (ScanDocument, SCAN, "range_max", 5e-324, RANGE_MAX),
@@ -201,9 +204,40 @@ def test_a_scan_has_bounds() -> None:
     read(ScanDocument, SCAN | {"beams": [[]] * BEAMS_MAX})
     bad(ScanDocument, SCAN, beams=[[]] * (BEAMS_MAX + 1))
     bad(ScanDocument, SCAN, beams=[[["a", n] for n in range(1, RUNS_MAX + 2)]])
-    bad(ScanDocument, SCAN, kinds={f"k{n}": "space" for n in range(1_001)})
+    bad(ScanDocument, SCAN, kinds={f"k{n}": "space" for n in range(LABELS_MAX + 1)})
     bad(ScanDocument, SCAN, kinds={"a": "SPACE"})
     bad(ScanDocument, SCAN, beams=[[["a", 0]]])
+
+
+def test_a_scan_has_bounds_in_all() -> None:
+    def runs(count: int) -> list[list[tuple[str, int]]]:
+        beam = [(name, radius) for radius, name in enumerate("ababcdef", start=1)]
+        return [beam] * (count // 8) + [beam[: count % 8]]
+
+    def labels(count: int) -> list[list[tuple[str, int]]]:
+        return [[(f"l{number}", 1)] for number in range(count)]
+
+    narrow = SCAN | {"angle_increment": 1e-4}
+    read(ScanDocument, narrow | {"beams": runs(RUNS_IN_ALL_MAX)})
+    bad(ScanDocument, narrow, beams=runs(RUNS_IN_ALL_MAX + 1))
+    read(ScanDocument, narrow | {"beams": labels(LABELS_MAX)})
+    bad(ScanDocument, narrow, beams=labels(LABELS_MAX + 1))
+
+
+def test_a_sensor_has_a_bound_in_all() -> None:
+    beams = SAMPLES_IN_ALL_MAX // 100
+    read(SensorDocument, {"beams": beams, "samples": 100})
+    bad(SensorDocument, {}, beams=beams + 1, samples=100)
+    bad(SensorDocument, {}, beams=BEAMS_MAX, samples=SAMPLES_MAX)
+
+
+def test_kinds_are_written_in_one_order() -> None:
+    names = ["b", "a", "Ä", "c"]
+    one, other = (
+        read(ScanDocument, SCAN | {"kinds": dict.fromkeys(order, "passage")})
+        for order in (names, reversed(names))
+    )
+    assert one.model_dump_json() == other.model_dump_json()
 
 
 @pytest.mark.parametrize(
@@ -224,6 +258,9 @@ def test_a_crowd_of_wrong_things_is_not_listed() -> None:
         (ScanDocument, SCAN | {"beams": [0] * 4_000}),
         (ScanDocument, SCAN | {"beams": [[0] * 1_000]}),
         (WorldDocument, {"zones": [0] * 100_000}),
+        (PoseDocument, POSE | {f"m{n}": 0 for n in range(100_000)}),
+        (WorldDocument, {"zones": [ZONE | {f"m{n}": 0 for n in range(100_000)}]}),
+        (ScanDocument, SCAN | {"kinds": {f"k{n}": 0 for n in range(100_000)}}),
     ]
     for kind, document in wrong:
         with pytest.raises(ValidationError) as caught:

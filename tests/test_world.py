@@ -3,6 +3,8 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Iterator
+from time import process_time
 
 import numpy as np
 import pytest
@@ -37,6 +39,44 @@ def test_read_equals_the_naive_oracle(world: World, points: list[Point]) -> None
 @given(world=lattice_worlds(), points=lattice_points)
 def test_one_point_is_read_as_among_others(world: World, points: list[Point]) -> None:
     assert [read(world, point)[0] for point in points] == read(world, *points)
+
+
+def crowds(count: int) -> Iterator[list[WorldZone]]:
+    """Yield zones that lie on one another in many ways, all around (5, 5)."""
+    chance = np.random.default_rng(7)
+    low = chance.uniform(2, 8, (count, 2))
+    high = low + chance.uniform(0.05, 1, (count, 2)) ** 3
+    yield [box(f"r{n}", tuple(low[n]), tuple(high[n])) for n in range(count)]  # at random
+    share = np.linspace(0, 1, count)
+    yield [box(f"n{n}", (3 + s, 3 + s), (7.5 - s, 7.5 - s)) for n, s in enumerate(share)]  # nested
+    yield [box(f"o{n}", (3 + s, 3 + s), (7.5 - s, 7.5 - s)) for n, s in enumerate(share[::-1])]
+    yield [box(f"s{n}", (0, 3 + 4 * s), (9, 3.003 + 4 * s)) for n, s in enumerate(share)]  # strips
+    yield [box(f"e{n}", (0, 0), (9, 9)) for n in range(count)]  # all the same
+
+
+@pytest.mark.parametrize("number", range(5))
+@pytest.mark.parametrize("points", [1, 2, 50, 3_000])
+def test_a_crowd_of_zones_is_read_as_the_few_are(number: int, points: int) -> None:
+    zones = list(crowds(700))[number]
+    world = World(zones)
+    xy = np.concatenate([
+        np.random.default_rng(points).normal(5, 1.5, (points, 2)),
+        [zones[300].low, zones[300].high, zones[699].low, (5.0, 5.0), (5.0, 5.0)],
+    ])  # fmt: skip
+    top = np.full(len(xy), NOWHERE)
+    for index, zone in enumerate(zones):
+        top[((xy >= zone.low) & (xy <= zone.high)).all(axis=1)] = index
+    assert world.read(xy)[0].tolist() == top.tolist()
+
+
+def test_thousands_of_zones_on_one_another_take_no_long_time() -> None:
+    """Each of 20,000 points was once compared with each of 10,000 zones."""
+    xy = np.random.default_rng(1).normal(5, 1.5, (20_000, 2))
+    for zones in crowds(10_000):
+        world = World(zones)
+        began = process_time()
+        world.read(xy)
+        assert process_time() - began < 2.0
 
 
 def test_outside_all_zones_is_obstacle() -> None:

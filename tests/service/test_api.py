@@ -14,6 +14,8 @@ from service import schemas
 from tests.servers import Json, Server
 from tests.service.twin import at, paper_steps, paper_world
 
+pytestmark = pytest.mark.databases("sqlite", "postgres")
+
 PROBLEM = "application/problem+json"
 GEOJSON = "application/geo+json"
 ROOM_SCAN: Json = {

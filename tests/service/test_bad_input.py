@@ -18,8 +18,11 @@ from tests.service.twin import at, paper_steps, paper_world
 SECONDS_MAX = 10.0
 """For an answer; generous, since tests run beside each other."""
 
-WORK_SECONDS_MAX = 2.0
-"""For the server to work on one request, by its own clock."""
+WORK_SECONDS_MAX = 0.3
+"""For the server to work on one request, by its own clock; a quiet machine takes less than 0.1."""
+
+GROWTH_BYTES_MAX = 50e6
+"""By how much the server may grow over all that is sent here."""
 
 BODY_BYTES_MAX: int = Settings.model_fields["body_bytes_max"].default
 
@@ -44,6 +47,14 @@ def mapped(server: Server) -> str:
 def empty(server: Server) -> str:
     """Give a session without a world."""
     return server.create()
+
+
+@pytest.fixture(scope="module", autouse=True)
+def lean(lasting_server: Server) -> Iterator[None]:
+    """See to it that the server is after all tests about as large as it was before."""
+    before = metric(lasting_server, "process_resident_memory_bytes")
+    yield
+    assert metric(lasting_server, "process_resident_memory_bytes") - before < GROWTH_BYTES_MAX
 
 
 @pytest.fixture(autouse=True)
@@ -133,7 +144,13 @@ STEPS = [
          "invalid_pose"),
     case("surrogate as field", "mapped", {**at(1, 6), "\ud800": 1}, "invalid_request"),
     case("surrogate as field in pose", "mapped", {"pose": {"x": 0, "\udfff": 0}}, "invalid_pose"),
-    case("many fields", "mapped", {f"f{n}": MARKER for n in range(500)}, "invalid_pose"),
+    case("field of a strange name", "mapped", {**at(1, 6), MARKER: 1}, "invalid_request"),
+    case("field of a strange name in scan", "empty", at(0, 0, 0, scan(**{MARKER: 1})),
+         "invalid_scan"),
+    case("kind of a strange name", "empty", at(0, 0, 0, scan(kinds={MARKER: 1, "\ud800": 1})),
+         "invalid_scan"),
+    case("64 fields", "mapped", {f"f{n}": MARKER for n in range(64)}, "invalid_pose"),
+    case("many fields", "mapped", {f"f{n}": MARKER for n in range(500)}, "invalid_request"),
     *(case(f"seq {it!r}", "mapped", {**at(1, 6), "seq": it}, "invalid_request")
       for it in (0, -1, 2**31, 10**30, 1.0, 1.5, "1", True, [1], float("nan"))),
     case("scan a list", "empty", at(0, 0) | {"scan": []}, "invalid_scan"),
@@ -173,6 +190,12 @@ STEPS = [
     case("beams an object", "empty", at(0, 0, 0, scan(beams={"0": []})), "invalid_scan"),
     case("4001 beams", "empty", at(0, 0, 0, scan(beams=[[]] * 4001, angle_increment=1e-4)),
          "invalid_scan"),
+    case("20,001 runs in all", "empty",
+         at(0, 0, 0, scan(beams=[[["a", (n + 1) / 2] for n in range(6)]] * 3_334,
+                          angle_increment=1e-3)), "invalid_scan"),
+    case("1001 labels", "empty",
+         at(0, 0, 0, scan(beams=[[[f"l{m}{n}", (n + 1) / 999] for n in range(143)]
+                                 for m in range(7)])), "invalid_scan"),
     case("1001 runs", "empty",
          at(0, 0, 0, scan(beams=[[["a", n / 1000] for n in range(1, 1002)]])), "invalid_scan"),
 ]  # fmt: skip
@@ -210,6 +233,8 @@ WORLDS = [
     case("a list", []),
     case("a text", MARKER),
     case("a name too much", {"zones": [zone()], "scale": 1}),
+    case("bad in a zone of a strange name", {"zones": [zone(label=MARKER, low=[2, 0])]}),
+    case("10,001 zones", {"zones": [zone()] * 10_001}),
     case("low above high in x", {"zones": [zone(low=[2, 0])]}),
     case("low above high in y", {"zones": [zone(low=[0, 2])]}),
     case("low is high", {"zones": [zone(low=[1, 1])]}),
@@ -242,6 +267,8 @@ def test_a_bad_world(server: Server, world: object) -> None:
         *(("sensor", {"beams": it}, "invalid_sensor") for it in (0, -1, 4001, 1.5, "72", True)),
         *(("sensor", {"samples": it}, "invalid_sensor") for it in (1, 0, 2001, 2.5, None)),
         *(("sensor", {"range": it}, "invalid_sensor") for it in (0, -1, 1e5, "2", True, 1e-400)),
+        ("sensor", {"beams": 1_001, "samples": 100}, "invalid_sensor"),
+        ("sensor", {"beams": 4_000, "samples": 2_000}, "invalid_sensor"),
         ("sensor", {"radius": 2}, "invalid_sensor"),
         ("sensor", [], "invalid_sensor"),
         ("sensor", None, "invalid_sensor"),
@@ -384,7 +411,7 @@ def test_a_body_that_is_no_object(server: Server, mapped: str, below: str, body:
      "multipart/form-data; boundary=x", "json", "application/json2"],
 )  # fmt: skip
 def test_a_body_that_does_not_say_it_is_json(server: Server, mapped: str, kind: str) -> None:
-    refused(raw(server, f"{mapped}/step", text(at(1, 6)), kind), 422, "invalid_request")
+    refused(raw(server, f"{mapped}/step", text(at(1, 6)), kind), 415, "unsupported_media_type")
 
 
 @pytest.mark.parametrize("below", ["/step", "/query", ""])
@@ -424,6 +451,19 @@ CROWDS = [
          SCAN + b'"beams":[' + b",".join([b'[["a",-1]]'] * 4000) + b"]}}", "invalid_scan"),
     case("very many fields", "/step", b'{"pose":{"x":0,"y":0},' + MANY_FIELDS + b"}",
          "invalid_request"),
+    case("very many fields in a pose", "/step", b'{"pose":{"x":0,"y":0,' + MANY_FIELDS + b"}}",
+         "invalid_pose"),
+    case("very many fields for a sensor", "", b'{"sensor":{' + MANY_FIELDS + b"}}",
+         "invalid_sensor"),
+    case("very many fields in a zone", "",
+         b'{"world":{"zones":[{' + MANY_FIELDS + b"}]}}", "invalid_world"),
+    case("64 fields in very many zones", "",
+         b'{"world":{"zones":[' + b",".join([b"{%b}" % MANY_FIELDS[:11 * 64 - 1]] * 1_400) + b"]}}",
+         "invalid_world"),
+    case("a kind of very many", "/step",
+         SCAN + b'"beams":[],"kinds":{"a":' + MANY + b"}}}", "invalid_scan"),
+    case("1,000 kinds, each wrong", "/step",
+         SCAN + b'"beams":[],"kinds":{' + MANY_FIELDS[:11_000 - 1] + b"}}}", "invalid_scan"),
     case("very many kinds", "/step", SCAN + b'"beams":[],"kinds":{' + MANY_FIELDS + b"}}}",
          "invalid_scan"),
 ]  # fmt: skip
@@ -439,9 +479,12 @@ def test_a_crowd(server: Server, mapped: str, below: str, body: bytes, code: str
 
 def worked(server: Server) -> float:
     """Return for how many seconds the server has kept a processor busy."""
-    found = re.search(
-        r"^process_cpu_seconds_total (\S+)", server.get("/metrics").decode(), re.MULTILINE
-    )
+    return metric(server, "process_cpu_seconds_total")
+
+
+def metric(server: Server, name: str) -> float:
+    """Return a number that the server tells of itself."""
+    found = re.search(rf"^{name} (\S+)", server.get("/metrics").decode(), re.MULTILINE)
     assert found is not None
     return float(found[1])
 
@@ -463,6 +506,20 @@ def worked(server: Server) -> float:
 def test_strange_spellings_of_a_step(server: Server, body: bytes) -> None:
     path = server.create(world=paper_world())
     assert raw(server, f"{path}/step", body).json()["here"] == "corridor"
+
+
+@pytest.mark.parametrize(
+    "kind",
+    ["application/json; charset=utf-8", "Application/JSON", "application/geo+json",
+     "application/json;a=b"],
+)  # fmt: skip
+def test_ways_to_say_json(server: Server, kind: str) -> None:
+    path = server.create(world=paper_world())
+    assert raw(server, f"{path}/step", text(at(1, 6)), kind).status_code == 201
+
+
+def test_a_post_without_a_body_needs_no_type(server: Server) -> None:
+    refused(server.client.post("/sessions"), 422, "invalid_request")
 
 
 @pytest.mark.parametrize(

@@ -8,9 +8,12 @@ from collections.abc import Sequence
 from typing import Any
 
 import httpx2
+import pytest
 
 from tests.servers import Json, Server
 from tests.service.twin import Twin, at, paper_steps, paper_world, untimed
+
+pytestmark = pytest.mark.databases("sqlite", "postgres")
 
 CLIENTS = 12
 
@@ -130,7 +133,7 @@ def test_a_session_that_is_deleted_under_way(server: Server) -> None:
 
 
 def test_who_hangs_up_does_not_stop_a_step(server: Server) -> None:
-    path = server.create(world=paper_world(), sensor={"beams": 720, "samples": 200})
+    path = server.create(world=paper_world(), sensor={"beams": 500, "samples": 200})
 
     async def hang_up() -> None:
         async with httpx2.AsyncClient(base_url=server.client.base_url) as client:

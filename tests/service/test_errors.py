@@ -8,6 +8,7 @@ import pkgutil
 import re
 from collections.abc import Iterator
 from http import HTTPStatus
+from pathlib import Path
 from types import ModuleType
 
 import pytest
@@ -60,6 +61,34 @@ def test_codes_are_words_and_no_two_errors_share_one() -> None:
 
 def test_codes_that_the_shape_of_a_request_leads_to_are_those_of_errors() -> None:
     assert set(errors._DOCUMENT_CODES.values()) <= {error.code for error in ALL}
+
+
+ONLY_IN_COMMANDS = {"invalid_database", "invalid_key_name", "invalid_path", "unknown_key"}
+
+
+def codes_written_in_place() -> Iterator[str]:
+    """Yield the codes that stand as words where a problem is made."""
+    for module in modules(service):
+        assert module.__file__ is not None
+        for node in ast.walk(ast.parse(Path(module.__file__).read_text(encoding="utf-8"))):
+            if isinstance(node, ast.Call) and ast.unparse(node.func) == "Problem":
+                code = node.args[1]
+                if isinstance(code, ast.Constant):
+                    yield str(code.value)
+
+
+def test_the_table_of_codes_is_complete() -> None:
+    page = (Path(__file__).parents[2] / "docs" / "errors.md").read_text(encoding="utf-8")
+    table = dict(re.findall(r"^\| `(\w+)` \| (\w*) *\| .+ \|$", page, re.MULTILINE))
+    plain = {code: str(status) for status, code in errors._PLAIN_CODES.items()}
+    written = set(codes_written_in_place())
+    assert {"malformed_json", "internal_error", "body_too_large"} <= written
+    assert set(table) == {error.code for error in ALL} | set(plain) | written | {"refused"}
+    assert list(table) == sorted(table)
+    assert plain.items() <= table.items()
+    for error in set(ALL) - {SemtopoError}:
+        status = "" if error.code in ONLY_IN_COMMANDS else str(status_of(error))
+        assert table[error.code] == status
 
 
 def test_bad_input_is_the_callers_fault() -> None:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass, field
 
+import pytest
 from hypothesis import settings
 from hypothesis import strategies as st
 from hypothesis.stateful import (
@@ -17,7 +18,7 @@ from hypothesis.stateful import (
 
 from semtopo.runs import LabelledRuns
 from semtopo.types import MappingOptions, Point, Pose
-from tests.servers import Json, Server
+from tests.servers import Backend, Json, Server
 from tests.service.twin import (
     Twin,
     at,
@@ -28,6 +29,10 @@ from tests.service.twin import (
     world_json,
 )
 from tests.strategies import Scene, labelled_runs, options, poses, scenes
+
+pytestmark = pytest.mark.databases("sqlite", "postgres")
+
+RUNS = {"sqlite": 25, "postgres": 8}
 
 picks = st.integers(0, 1_000)
 """Numbers to choose one thing of many, whatever their number is then."""
@@ -150,7 +155,7 @@ class Shell(RuleBasedStateMachine):
             self.server.client.delete(session.path)
 
 
-def test_the_service_is_only_a_shell(own_server: Server) -> None:
+def test_the_service_is_only_a_shell(own_server: Server, backend: Backend) -> None:
     own_server.start()
 
     class ShellOfOurs(Shell):
@@ -159,5 +164,5 @@ def test_the_service_is_only_a_shell(own_server: Server) -> None:
 
     run_state_machine_as_test(
         ShellOfOurs,
-        settings=settings(max_examples=25, stateful_step_count=20, deadline=None),
+        settings=settings(max_examples=RUNS[backend], stateful_step_count=20, deadline=None),
     )

@@ -11,6 +11,8 @@ import pytest
 from tests.servers import Json, Server
 from tests.service.twin import at, paper_steps, paper_world
 
+pytestmark = pytest.mark.databases("sqlite", "postgres")
+
 STEPS = paper_steps()
 
 

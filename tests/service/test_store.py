@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from dataclasses import replace
 from functools import cache
 from itertools import pairwise
@@ -25,13 +25,15 @@ from service.tables import metadata, passages, sessions, steps, zone_versions, z
 from tests.service.twin import Twin, paper_steps, paper_world
 from tests.strategies import Scene, options, scenes
 
+pytestmark = pytest.mark.databases("sqlite", "postgres")
+
 STEPS = 140  # beyond two checkpoints
 
 
 @pytest.fixture(scope="module")
-def database(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Database]:
+def database(new_database: Callable[[], str]) -> Iterator[Database]:
     """Give a database."""
-    opened = open_database(f"sqlite:///{tmp_path_factory.mktemp('store') / 'semtopo.db'}")
+    opened = open_database(new_database())
     yield opened
     opened.close()
 
@@ -191,8 +193,8 @@ def test_the_log_is_found_by_number_and_key(connection: Connection) -> None:
     assert store.find_step(connection, row.number, 8) is None
     assert store.find_step_by_key(connection, other.number, "k3") is None
     found = store.list_steps(connection, row.number, after=2, limit=3)
-    assert found == [logged(seq, f"k{seq}") for seq in (3, 4, 5)]
-    assert store.list_steps(connection, other.number, after=0, limit=3) == []
+    assert list(found) == [logged(seq, f"k{seq}") for seq in (3, 4, 5)]
+    assert list(store.list_steps(connection, other.number, after=0, limit=3)) == []
 
 
 def test_many_sessions_are_listed_in_order(connection: Connection) -> None:

@@ -1,0 +1,74 @@
+"""Ten thousand sessions in one process: memory is to stay flat, and steps are to stay fast.
+
+The sessions have no world; each step brings a small scan of a hall, a door and a room. Steps go
+over all sessions in turn, so nearly every one finds its map on disk and not in memory. Run it as
+`python -m benchmarks.many_sessions`.
+"""
+
+from __future__ import annotations
+
+import argparse
+import tempfile
+from itertools import pairwise
+from pathlib import Path
+
+import orjson
+
+from benchmarks.load import Load, request_bytes, run
+from tests.servers import Server
+
+SCAN = {
+    "angle_min": 0.0, "angle_increment": 1.5, "range_max": 4.0,
+    "beams": [[["hall", 1.0], ["door", 1.2], ["room", 3.0]]] * 4,
+    "kinds": {"door": "passage"},
+}  # fmt: skip
+SHARES = (0, 0.1, 0.3, 0.5, 0.7, 0.9, 1)
+"""Shares of all steps after which to report."""
+
+CLIENTS = 16
+
+
+def resident_mb(server: Server) -> float:
+    """Return how much memory the server's process holds, in MB."""
+    lines = Path(f"/proc/{server.pid}/status").read_text().splitlines()
+    return next(int(line.split()[1]) / 1000 for line in lines if line.startswith("VmRSS"))
+
+
+def take_steps(server: Server, paths: list[str], numbers: range) -> Load:
+    """Take steps over all sessions in turn; each visit to a session is 0.25 m further on."""
+
+    def post(number: int) -> bytes:
+        visit, session = divmod(numbers[number], len(paths))
+        pose = {"x": 0.25 * visit, "y": 0.0, "theta": 0.0}
+        body = orjson.dumps({"pose": pose, "scan": SCAN})
+        return request_bytes("POST", f"{paths[session]}/step", body)
+
+    return run(server.port, post, clients=CLIENTS, count=len(numbers))
+
+
+def main() -> None:
+    """Begin sessions, take steps, and print a line now and then."""
+    parser = argparse.ArgumentParser()
+    parser.add_argument("--sessions", type=int, default=10_000)
+    parser.add_argument("--steps", type=int, default=100_000)
+    given = parser.parse_args()
+    with tempfile.TemporaryDirectory() as folder:
+        server = Server(Path(folder))
+        server.start()
+        print(f"at the start: {resident_mb(server):.0f} MB")
+        paths = [server.create() for _ in range(given.sessions)]
+        print(f"{len(paths)} sessions: {resident_mb(server):.0f} MB", flush=True)
+        for first, last in pairwise(int(share * given.steps) for share in SHARES):
+            load = take_steps(server, paths, range(first, last))
+            stored = server.database.stat().st_size / 1e6
+            print(
+                f"{last:7} steps: {resident_mb(server):.0f} MB  {load.rate:.0f}/s"
+                f"  p50 {load.percentile(0.5):.1f} ms  p99 {load.percentile(0.99):.1f} ms"
+                f"  greatest {load.times[-1]:.0f} ms  on disk {stored:.0f} MB",
+                flush=True,
+            )
+        server.close()
+
+
+if __name__ == "__main__":
+    main()

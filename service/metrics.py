@@ -1,0 +1,88 @@
+"""Count and time what the service does, for Prometheus; each application counts for itself.
+
+Sessions tell how steps end, and a middleware tells what is answered. This room knows neither.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping
+
+from prometheus_client import (
+    CollectorRegistry,
+    Counter,
+    Gauge,
+    GCCollector,
+    Histogram,
+    PlatformCollector,
+    ProcessCollector,
+    generate_latest,
+)
+from starlette.types import ASGIApp, Message, Receive, Scope, Send
+
+_SECONDS = (0.0005, 0.001, 0.0025, 0.005, 0.01, 0.025, 0.05, 0.1, 0.25, 0.5, 1.0, 2.5, 5.0)
+
+
+class Metrics:
+    """The counters and histograms of one application."""
+
+    def __init__(self) -> None:
+        """Begin at zero."""
+        self._registry = registry = CollectorRegistry()
+        for collector in (ProcessCollector, PlatformCollector, GCCollector):
+            collector(registry=registry)
+        self._steps = Counter(
+            "semtopo_steps", "Steps, by how they ended", ["outcome"], registry=registry
+        )
+        self._seconds = Histogram(
+            "semtopo_step_seconds", "What the stages of recorded steps took to compute", ["stage"],
+            buckets=_SECONDS, registry=registry,
+        )  # fmt: skip
+        self._responses = Counter(
+            "semtopo_http_responses", "HTTP responses, by class of status", ["status"],
+            registry=registry,
+        )  # fmt: skip
+
+    def show(self, name: str, about: str, read: Callable[[], int]) -> None:
+        """Show a number that is read when it is asked for."""
+        gauge = Gauge(f"semtopo_{name}", about, registry=self._registry)
+        gauge.set_function(read)
+
+    def count_step(self, outcome: str) -> None:
+        """Count a step that ended."""
+        self._steps.labels(outcome).inc()
+
+    def time_stages(self, timings_ms: Mapping[str, float]) -> None:
+        """Take note of what each stage of a step took."""
+        for stage, milliseconds in timings_ms.items():
+            self._seconds.labels(stage).observe(milliseconds / 1000)
+
+    def count_response(self, status: int) -> None:
+        """Count a response."""
+        self._responses.labels(f"{status // 100}xx").inc()
+
+    def written(self) -> bytes:
+        """Return everything in the text format of Prometheus."""
+        return generate_latest(self._registry)
+
+
+class CountResponses:
+    """ASGI middleware that counts responses."""
+
+    def __init__(self, app: ASGIApp, metrics: Metrics) -> None:
+        """Wrap an application."""
+        self._app = app
+        self._metrics = metrics
+
+    async def __call__(self, scope: Scope, receive: Receive, send: Send) -> None:
+        """Pass everything on, and count what begins a response."""
+
+        async def counted(message: Message) -> None:
+            if message["type"] == "http.response.start":
+                self._metrics.count_response(message["status"])
+            await send(message)
+
+        try:
+            await self._app(scope, receive, counted if scope["type"] == "http" else send)
+        except Exception:
+            self._metrics.count_response(500)  # written further out
+            raise

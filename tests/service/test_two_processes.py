@@ -1,0 +1,182 @@
+"""Two processes on one database: steps through both count once each, and each sees the other's."""
+
+from __future__ import annotations
+
+import asyncio
+import json
+from collections.abc import Callable, Iterator, Sequence
+from concurrent.futures import ThreadPoolExecutor
+
+import httpx2
+import pytest
+
+from tests.robots import check_map, read_log
+from tests.servers import Json, Server
+from tests.service.twin import PAPER, Twin, at, paper_steps, paper_world
+
+pytestmark = pytest.mark.databases("sqlite", "postgres")
+
+SESSION: Json = {"world": paper_world(), "sensor": {"beams": 36}}
+STEPS = paper_steps()
+Pair = tuple[Server, Server]
+
+
+@pytest.fixture(scope="module")
+def lasting_pair(
+    new_database: Callable[[], str], tmp_path_factory: pytest.TempPathFactory
+) -> Iterator[Pair]:
+    """Give two running servers on one database."""
+    url = new_database()
+    one, two = (Server(tmp_path_factory.mktemp(name), url) for name in ("one", "two"))
+    with ThreadPoolExecutor() as threads:
+        list(threads.map(Server.start, (one, two)))  # at once, so that both would migrate
+    yield one, two
+    one.close()
+    two.close()
+
+
+@pytest.fixture
+def pair(lasting_pair: Pair) -> Iterator[Pair]:
+    """Give two running servers on one database. No test may make them log a traceback."""
+    before = [len(server.faults()) for server in lasting_pair]
+    yield lasting_pair
+    faults = [server.faults() for server in lasting_pair]
+    assert [found[n:] for found, n in zip(faults, before, strict=True)] == [[], []]
+
+
+def ask_in_turn(pair: Pair, calls: Sequence[tuple[str, Json]]) -> list[httpx2.Response]:
+    """Post all bodies at once, by one server and the other in turn."""
+
+    async def ask() -> list[httpx2.Response]:
+        async with httpx2.AsyncClient(timeout=60) as client:
+            addresses = [
+                f"http://127.0.0.1:{pair[number % 2].port}{path}"
+                for number, (path, _) in enumerate(calls)
+            ]
+            bodies = [body for _, body in calls]
+            return await asyncio.gather(
+                *(client.post(url, json=it) for url, it in zip(addresses, bodies, strict=True))
+            )
+
+    return asyncio.run(ask())
+
+
+def test_steps_through_both_count_once_each(pair: Pair) -> None:
+    path = pair[0].create(**SESSION)
+    given = STEPS[:40]
+    answers = ask_in_turn(pair, [(f"{path}/step", body) for body in given])
+    assert [answer.status_code for answer in answers] == [201] * len(given)
+    assert sorted(answer.json()["seq"] for answer in answers) == list(range(1, len(given) + 1))
+    log = read_log(pair[1], path)
+    for answer, body in zip(answers, given, strict=True):
+        logged = log[answer.json()["seq"] - 1]
+        assert logged["answer"] == answer.json()
+        assert logged["input"]["pose"] == body["pose"]
+    check_map(pair, path, log)
+
+
+def test_the_same_step_sent_to_both_is_taken_once(pair: Pair) -> None:
+    path = pair[0].create(**SESSION)
+    for seq in range(1, 9):
+        body = {**STEPS[seq], "seq": seq}
+        answers = ask_in_turn(pair, [(f"{path}/step", body)] * 6)
+        assert {answer.status_code for answer in answers} == {201}
+        assert len({answer.content for answer in answers}) == 1
+        assert sum("Idempotency-Replayed" not in answer.headers for answer in answers) == 1
+    assert len(read_log(pair[0], path)) == 8
+
+
+def test_of_different_steps_with_one_number_one_wins(pair: Pair) -> None:
+    path = pair[0].create(**SESSION)
+    bodies = [{**at(1.0, 2.0 + number / 8), "seq": 1} for number in range(8)]
+    answers = ask_in_turn(pair, [(f"{path}/step", body) for body in bodies])
+    assert sorted(answer.status_code for answer in answers) == [201] + [422] * 7
+
+
+def test_each_sees_at_once_what_the_other_did(pair: Pair) -> None:
+    path, twin = pair[0].create(**SESSION), Twin(SESSION)
+    for number, document in enumerate(STEPS[:30]):
+        writes, reads = pair if number % 2 else pair[::-1]
+        writes.step(path, document)
+        twin.step(document)
+        assert reads.get(f"{path}/graph") == twin.graph()
+        assert reads.get(f"{path}/zones") == twin.zones()
+        assert json.loads(reads.get(path))["seq"] == number + 1
+        assert json.loads(reads.get(f"{path}/steps", after=number))["steps"][0]["seq"] == number + 1
+
+
+@pytest.mark.parametrize("below", ["graph", "zones", "zones?bbox=0,0,9,9"])
+def test_entity_tags_hold_for_both(pair: Pair, below: str) -> None:
+    one, two = (server.client for server in pair)
+    path = pair[0].create(**SESSION)
+    for server, reader in ((pair[0], two), (pair[1], one)) * 3:
+        step = server.client.post(f"{path}/step", json=STEPS[0])
+        tags = {client.get(f"{path}/{below}").headers["ETag"] for client in (one, two)}
+        assert tags == {step.headers["ETag"]}
+        known = {"If-None-Match": step.headers["ETag"]}
+        assert reader.get(f"{path}/{below}", headers=known).status_code == 304
+        pair[0].step(path, STEPS[1])
+        assert reader.get(f"{path}/{below}", headers=known).status_code == 200
+        stale = {"If-Match": step.headers["ETag"]}
+        refused = reader.post(f"{path}/step", json=STEPS[2], headers=stale)
+        assert (refused.status_code, refused.json()["code"]) == (412, "version_mismatch")
+
+
+def test_a_key_is_known_to_both(pair: Pair) -> None:
+    path = pair[0].create(**SESSION)
+    key = {"Idempotency-Key": "k"}
+    first = pair[0].client.post(f"{path}/step", json=STEPS[0], headers=key)
+    pair[1].step(path, STEPS[1])
+    again = pair[1].client.post(f"{path}/step", json=STEPS[0], headers=key)
+    assert (again.status_code, again.content) == (201, first.content)
+    assert (again.headers["ETag"], again.headers["Idempotency-Replayed"]) == (
+        first.headers["ETag"], "true",
+    )  # fmt: skip
+    other = pair[1].client.post(f"{path}/step", json=STEPS[2], headers=key)
+    assert (other.status_code, other.json()["code"]) == (422, "key_reused")
+
+
+def test_what_one_deletes_is_gone_for_the_other(pair: Pair) -> None:
+    path = pair[0].create(**SESSION)
+    for server in pair * 2:
+        server.step(path, STEPS[0])
+        server.get(f"{path}/zones")
+    assert pair[0].client.delete(path).status_code == 204
+    for below in ("", "/graph", "/zones", "/zones?at=1", "/steps", "/route?from=A&to=A"):
+        assert pair[1].client.get(path + below).status_code == 404, below
+    for body in (STEPS[0], {**STEPS[0], "seq": 1}, {**STEPS[0], "seq": 9}):
+        assert pair[1].client.post(f"{path}/step", json=body).status_code == 404
+    assert pair[1].client.delete(path).status_code == 404
+
+
+def test_a_deletion_under_way_in_the_other_process(pair: Pair) -> None:
+    """Steps that race with it are taken, or find no session; afterwards nothing is left."""
+    for _ in range(5):
+        path = pair[0].create(**SESSION)
+        with ThreadPoolExecutor() as threads:
+            steps = [
+                threads.submit(pair[0].client.post, f"{path}/step", json=body) for body in STEPS[:8]
+            ]
+            deleted = threads.submit(pair[1].client.delete, path)
+        assert {step.result().status_code for step in steps} <= {201, 404}
+        assert deleted.result().status_code == 204
+        assert all(server.client.get(path).status_code == 404 for server in pair)
+
+
+def test_both_make_the_example(
+    new_database: Callable[[], str], tmp_path_factory: pytest.TempPathFactory
+) -> None:
+    """Started at once, they drive its path once."""
+    url = new_database()
+    servers = [
+        Server(tmp_path_factory.mktemp("example"), url, example=str(PAPER)) for _ in range(2)
+    ]
+    try:
+        with ThreadPoolExecutor() as threads:
+            list(threads.map(Server.start, servers))
+        twin = Twin.driven({"world": paper_world()}, STEPS)
+        for server in servers:
+            assert server.get("/sessions/example/zones") == twin.zones()
+    finally:
+        for server in servers:
+            server.close()
