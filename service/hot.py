@@ -46,8 +46,8 @@ passages, and there a vertex or border point (measured: 1.2 kB, 1.3 kB, 17 bytes
 MAP_ZONES_MAX = 10_000
 MAP_BYTES_MAX = 2**26  # some three million vertices and border points
 
-LIGHT_READINGS = 500_000
-"""Samples of a sensor times zones of a world, at most 3 ms to read."""
+LIGHT_READINGS = 200_000
+"""Samples of a sensor times zones of a world: at most 2 ms to read, and some 100 zones to see."""
 
 LIGHT_MAP_BYTES = 2**19
 """A larger map has zones whose union with what is seen may take more than some ms."""

@@ -47,7 +47,7 @@ SHORT_STEP_MS = 4.0
 """A step that takes no longer is not worth a thread: going there and back costs some 0.2 ms, and a
 thread that computes keeps the others waiting for up to 5 ms at a time, as the event loop does."""
 
-SHORT_INPUT = 2**14
+SHORT_INPUT = 2**13
 """Characters; a longer input may take much longer than the step before it."""
 
 

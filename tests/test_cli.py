@@ -223,7 +223,7 @@ def folder(tmp_path_factory: pytest.TempPathFactory) -> Path:
         ("map {bad} {path} --out {out}", "{bad}: Is a directory"),
         ("map {bad}/empty {path} --out {out}", "{bad}/empty: Invalid JSON"),
         ("map {bad}/world.txt {path} --out {out}", "{bad}/world.txt: Invalid JSON"),
-        ("map {bad}/flat.json {path} --out {out}", "{bad}/flat.json: zone 'hall': low must be"),
+        ("map {bad}/flat.json {path} --out {out}", "{bad}/flat.json: zones.0: low must be"),
         ("map {bad}/none.json {path} --out {out}", "{bad}/none.json: zones: List should have"),
         ("map {bad}/infinite.json {path} --out {out}", "{bad}/infinite.json: zones.0.high.1:"),
         ("map {world} {bad}/empty --out {out}", "{bad}/empty: the first line of a path must be"),

@@ -53,7 +53,7 @@ class TestWorld:
             (b"[]", "Input should be an object"),
             (b"{}", "zones: Field required"),
             (b'{"zones": []}', "zones: List should have at least 1 item"),
-            (world(low=[0, 5]), "zones.1: low must be below high in x and in y"),
+            (world(low=[0, 5]), "zones.0: low must be below high in x and in y"),
             (world(low=[math.nan, 0]), "zones.0.low.0: Input should be a finite number"),
             (world(high=[math.inf, 0]), "zones.0.high.0: Input should be a finite number"),
             (world(high=[1e7, 1]), "zones.0.high.0: Input should be less than or equal to"),

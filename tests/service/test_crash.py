@@ -19,10 +19,10 @@ pytestmark = pytest.mark.slow
     ("on", "kills"),
     [
         (On.SQLITE, 20),
-        (On.SQLITE_STOPPED, 4),
-        (On.SQLITE_TWO, 3),
-        (On.POSTGRES, 6),
-        (On.POSTGRES_ITSELF, 6),
+        (On.SQLITE_STOPPED, 3),
+        (On.SQLITE_TWO, 2),
+        (On.POSTGRES, 3),
+        (On.POSTGRES_ITSELF, 4),
     ],
 )
 def test_nothing_goes_wrong(on: On, kills: int, tmp_path: Path) -> None:

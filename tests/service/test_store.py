@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from collections.abc import Callable, Iterator
 from dataclasses import replace
 from functools import cache
@@ -11,7 +12,7 @@ from pathlib import Path
 import pytest
 import shapely
 from hypothesis import HealthCheck, given, settings
-from sqlalchemy import Connection, delete, func, insert, select, update
+from sqlalchemy import Connection, delete, event, func, insert, select, update
 from sqlalchemy.exc import IntegrityError
 
 from semtopo.codec import graph_body, zones_body
@@ -206,6 +207,40 @@ def test_many_sessions_are_listed_in_order(connection: Connection) -> None:
         found += [row.id for row in page]
         after = page[-1].number
     assert found == ids
+
+
+def test_a_listing_reads_no_worlds(connection: Connection) -> None:
+    store.add_session(connection, new("s"))
+    sent: list[str] = []
+
+    def note(_connection: object, _cursor: object, sql: str, *_more: object) -> None:
+        sent.append(sql)
+
+    event.listen(connection, "before_cursor_execute", note)
+    (listed,) = store.list_sessions(connection, None, 0, 10)
+    assert (listed.id, listed.version) == ("s", 0)
+    assert "SELECT" in sent[0]
+    assert not any(re.search(r"world|sensor|mapping", sql) for sql in sent)
+
+
+def test_a_page_of_the_log_has_a_bound_but_is_never_empty(connection: Connection) -> None:
+    row = saved(connection, (MapState(),))
+    half = "x" * (store.PAGE_CHARACTERS // 2 - 100)
+    large = [half, half, half, 3 * half, "", ""]
+    for seq, text in enumerate(large, start=1):
+        store.add_step(connection, row.number, replace(logged(seq, f"k{seq}"), input=text))
+
+    def page(after: int, limit: int = 1_000) -> tuple[list[int], bool]:
+        steps, more = store.page_of_steps(connection, row.number, after, limit)
+        return [one.seq for one in steps], more
+
+    assert page(0) == ([1, 2], True)
+    assert page(2) == ([3], True)
+    assert page(3) == ([4], True)
+    assert page(4) == ([5, 6], False)
+    assert page(4, 1) == ([5], True)
+    assert page(4, 2) == ([5, 6], False)
+    assert page(6) == ([], False)
 
 
 # What the schema refuses
