@@ -38,6 +38,7 @@ Readings of the paper, where it is silent or misprinted; each is cited at its li
          strip must lead from the one to the other, since one alone may slip through a wall
 """
 
+from semtopo.borders import BorderPiece, border_pieces
 from semtopo.codec import graph_body, read_map, zones_body
 from semtopo.documents import (
     MappingDocument,
@@ -74,6 +75,7 @@ from semtopo.world import World, WorldZone
 from semtopo.zones import SensorMap, Zone, extract
 
 __all__ = [
+    "BorderPiece",
     "Edges",
     "InvalidInputError",
     "InvalidMapError",
@@ -119,6 +121,7 @@ __all__ = [
     "Zone",
     "analyse",
     "answer",
+    "border_pieces",
     "explore",
     "extract",
     "find_route",

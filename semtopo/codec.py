@@ -168,8 +168,9 @@ def _map_from(zones: Mapping[str, Any], graph: Mapping[str, Any]) -> MapState:
         Passage(edge["source"], edge["target"], (edge["point"][0], edge["point"][1]), edge["seq"])
         for edge in graph["edges"]
     ]
-    passages = {(edge.source, edge.target): edge for edge in edges}
-    if {end for pair in passages for end in pair} - set(nodes) or set(mapped) != set(nodes):
+    passages = {edge.key: edge for edge in edges}
+    ends = {end for edge in edges for end in (edge.source, edge.target)}
+    if ends - set(nodes) or set(mapped) != set(nodes):
         raise InvalidMapError("zones and graph do not belong together")
     return MapState(graph["seq"], MetricMap(mapped), TopologyGraph(nodes, passages))
 

@@ -15,6 +15,9 @@ from semtopo.metric import here_first
 from semtopo.types import Point
 from semtopo.zones import Link, SensorMap
 
+PassageKey: TypeAlias = tuple[str, str, int]
+"""Zone ids of source and target, and which of the passages between them, from 0."""
+
 
 @dataclass(frozen=True, slots=True)
 class Node:
@@ -29,13 +32,20 @@ class Node:
 class Passage:
     """A directed edge E(s_r, s_u, p_u): from zone `source` to zone `target` at `point`.
 
-    The point is in m, map frame; `seq` is the step that found the edge.
+    The point is in m, map frame; `seq` is the step that found the edge. `number` tells parallel
+    passages between the same two zones apart, from 0.
     """
 
     source: str
     target: str
     point: Point
     seq: int
+    number: int = 0
+
+    @property
+    def key(self) -> PassageKey:
+        """What names the passage in its graph."""
+        return (self.source, self.target, self.number)
 
 
 @dataclass(frozen=True, slots=True)
@@ -60,15 +70,20 @@ Event: TypeAlias = NodeFound | PassageFound
 
 @dataclass(frozen=True, slots=True, eq=False)
 class TopologyGraph:
-    """The graph M_s: nodes by zone id and passages by (source, target), in order of finding."""
+    """The graph M_s: nodes by zone id and passages by their keys, in order of finding."""
 
     nodes: Mapping[str, Node] = field(default_factory=dict)
-    passages: Mapping[tuple[str, str], Passage] = field(default_factory=dict)
+    passages: Mapping[PassageKey, Passage] = field(default_factory=dict)
 
     def __post_init__(self) -> None:
         """Let nobody change nodes and passages from here on."""
         object.__setattr__(self, "nodes", MappingProxyType(self.nodes))
         object.__setattr__(self, "passages", MappingProxyType(self.passages))
+
+    @property
+    def pairs(self) -> tuple[tuple[str, str], ...]:
+        """Source and target of every passage, in order of finding."""
+        return tuple((source, target) for source, target, _ in self.passages)
 
     def at(self, seq: int) -> TopologyGraph:
         """Return the graph as it was after step `seq`."""
@@ -89,9 +104,10 @@ class TopologyGraph:
                 events.append(NodeFound(label, label))
             for link in links:
                 pair = (link.source, link.target)
-                if pair not in passages:  # Alg. 3, l. 19-22 and 27
+                if (*pair, 0) not in passages:  # Alg. 3, l. 19-22 and 27
                     point = link.nearest_point(sensor_map.position)
-                    passages[pair] = Passage(*pair, point, seq)
+                    found = Passage(*pair, point, seq)
+                    passages[found.key] = found
                     events.append(PassageFound(*pair, point))
         if not events:
             return self, ()

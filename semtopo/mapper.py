@@ -35,11 +35,17 @@ def _unobserved(stage: Stage) -> None:
 
 @dataclass(frozen=True, slots=True, eq=False)
 class MapState:
-    """All that is known after step `seq`: [M_m, M_s]. The initial state is empty (Alg. 1, l. 1)."""
+    """All that is known after step `seq`: [M_m, M_s]. The initial state is empty (Alg. 1, l. 1).
+
+    `position` is where the last step was taken, in m, map frame, and `here` the zone id of where
+    the robot was then; both are `None` before the first step, and `here` where nothing was seen.
+    """
 
     seq: int = 0
     metric: MetricMap = field(default_factory=MetricMap)
     graph: TopologyGraph = field(default_factory=TopologyGraph)
+    position: Point | None = None
+    here: str | None = None
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -88,7 +94,8 @@ def step(
     ended(Stage.MAP_UPDATE)
     graph, events = state.graph.extended(sensor_map, seq)
     ended(Stage.GRAPH_UPDATE)
-    return Step(MapState(seq, metric, graph), sensor_map.here, events)
+    after = MapState(seq, metric, graph, scan.position, sensor_map.here)
+    return Step(after, sensor_map.here, events)
 
 
 def run(scans: Iterable[Scan], options: MappingOptions | None = None) -> Iterator[Step]:

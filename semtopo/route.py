@@ -69,7 +69,7 @@ def _choices(graph: TopologyGraph, source: str) -> nx.DiGraph[Any]:
     """
     zones: nx.DiGraph[str] = nx.DiGraph()
     zones.add_nodes_from(graph.nodes)
-    zones.add_edges_from(graph.passages)
+    zones.add_edges_from(graph.pairs)
     hops = nx.single_source_shortest_path_length(zones, source)
     leaving: defaultdict[str, list[Passage]] = defaultdict(list)
     for passage in graph.passages.values():

@@ -10,12 +10,14 @@ from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass, fields
 from typing import Any
 
+import orjson
 from sqlalchemy import Connection, Row, and_, bindparam, delete, func, insert, select, update
 
 from semtopo.codec import border_bytes, border_from, region_bytes, region_from
 from semtopo.graph import Node, Passage, TopologyGraph
 from semtopo.mapper import MapState
 from semtopo.metric import MappedZone, MetricMap
+from semtopo.types import Point
 from service.statements import Statement, run
 from service.tables import passages, sessions, steps, zone_versions, zones
 
@@ -136,7 +138,10 @@ def load_state(connection: Connection, row: SessionRow) -> MapState:
     """Return the current map of a session."""
     query = select(zones).where(zones.c.session == row.number).order_by(zones.c.position)
     mapped = {zone.zone_id: _zone(zone) for zone in connection.execute(query)}
-    return MapState(row.version, MetricMap(mapped), _graph(connection, row.number, mapped))
+    graph = _graph(connection, row.number, mapped)
+    return MapState(
+        row.version, MetricMap(mapped), graph, *_robot(connection, row.number, row.version)
+    )
 
 
 def load_checkpoint(connection: Connection, session: int, seq: int) -> MapState:
@@ -166,7 +171,7 @@ def load_checkpoint(connection: Connection, session: int, seq: int) -> MapState:
     )  # fmt: skip
     mapped = {zone.zone_id: _zone(zone) for zone in connection.execute(query)}
     graph = _graph(connection, session, mapped).at(checkpoint)
-    return MapState(checkpoint, MetricMap(mapped), graph)
+    return MapState(checkpoint, MetricMap(mapped), graph, *_robot(connection, session, checkpoint))
 
 
 def find_step(connection: Connection, session: int, seq: int) -> LoggedStep | None:
@@ -281,6 +286,15 @@ def _one_step(connection: Connection, session: int, which: Any) -> LoggedStep | 
     return None if row is None else _logged(row)
 
 
+def _robot(connection: Connection, session: int, seq: int) -> tuple[Point | None, str | None]:
+    """Return where the robot was at a step, and in which zone."""
+    logged = find_step(connection, session, seq)
+    if logged is None:
+        return None, None
+    pose = orjson.loads(logged.input)["pose"]
+    return (pose["x"], pose["y"]), orjson.loads(logged.answer)["here"]
+
+
 def _logged(row: Row[Any]) -> LoggedStep:
     return LoggedStep(**{name: getattr(row, name) for name in LoggedStep.__slots__})
 
@@ -298,4 +312,4 @@ def _graph(connection: Connection, session: int, mapped: dict[str, MappedZone]) 
         for row in connection.execute(query)
     )
     nodes = {key: Node(key, zone.label, zone.since) for key, zone in mapped.items()}
-    return TopologyGraph(nodes, {(edge.source, edge.target): edge for edge in edges})
+    return TopologyGraph(nodes, {edge.key: edge for edge in edges})

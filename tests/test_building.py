@@ -57,7 +57,7 @@ def drive() -> tuple[list[Pose], list[Step]]:
 def passages() -> dict[tuple[str, str], Point]:
     """Return the point of each passage that was found."""
     _, steps = drive()
-    return {pair: passage.point for pair, passage in steps[-1].state.graph.passages.items()}
+    return {(a, b): passage.point for (a, b, _), passage in steps[-1].state.graph.passages.items()}
 
 
 def openings(one: str, other: str) -> list[Point]:

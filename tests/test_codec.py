@@ -163,7 +163,7 @@ def test_the_graph_names_nodes_and_edges() -> None:
     assert list(body) == ["seq", "nodes", "edges"]
     assert body["nodes"][0] == {"id": "a", "label": "a"}
     edges = {(edge["source"], edge["target"]) for edge in body["edges"]}
-    assert edges == set(state.graph.passages)
+    assert edges == set(state.graph.pairs)
     assert all(
         1 <= edge["seq"] <= body["seq"] and len(edge["point"]) == 2 for edge in body["edges"]
     )

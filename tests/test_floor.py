@@ -37,9 +37,9 @@ def test_every_room_is_found() -> None:
 
 
 def test_every_door_is_two_edges_and_there_are_no_others() -> None:
-    passages = steps()[-1].state.graph.passages
-    assert len(passages) == 2 * 36
-    assert {frozenset(pair) for pair in passages} == FLOOR.doors
+    pairs = steps()[-1].state.graph.pairs
+    assert len(pairs) == 2 * 36
+    assert {frozenset(pair) for pair in pairs} == FLOOR.doors
 
 
 def test_the_robot_has_been_in_every_zone() -> None:
@@ -61,6 +61,6 @@ def test_regions_are_sound_after_a_long_drive() -> None:
 def test_the_papers_edges_link_what_lies_behind_two_doors() -> None:
     """So the option is worth having: already the first rooms are linked to each other."""
     *_, last = explore(FLOOR.world, SENSOR, FLOOR.path()[:80])
-    pairs = {frozenset(pair) for pair in last.state.graph.passages}
+    pairs = {frozenset(pair) for pair in last.state.graph.pairs}
     assert pairs - FLOOR.doors
     assert pairs & FLOOR.doors

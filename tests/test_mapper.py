@@ -172,6 +172,6 @@ def test_states_branch() -> None:
     stay = step(common, scan_world(world, sensor, (2.0, 2.5)), options_).state
     leave = step(common, scan_world(world, sensor, (5.0, 2.0)), options_).state
     assert stay.seq == leave.seq == 2
-    assert ("b", "a") in leave.graph.passages
-    assert ("b", "a") not in stay.graph.passages
-    assert ("b", "a") not in common.graph.passages
+    assert ("b", "a") in leave.graph.pairs
+    assert ("b", "a") not in stay.graph.pairs
+    assert ("b", "a") not in common.graph.pairs

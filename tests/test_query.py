@@ -108,7 +108,8 @@ def test_names_that_mean_nothing(known: list[str], name: str) -> None:
 def state(*edges: tuple[str, str, tuple[float, float]]) -> MapState:
     zones = dict.fromkeys(zone for source, target, _ in edges for zone in (source, target))
     nodes = {zone: Node(zone, zone, 1) for zone in zones}
-    passages = {(source, target): Passage(source, target, it, 1) for source, target, it in edges}
+    found = [Passage(source, target, it, 1) for source, target, it in edges]
+    passages = {passage.key: passage for passage in found}
     return MapState(1, graph=TopologyGraph(nodes, passages))
 
 

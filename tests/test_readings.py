@@ -206,10 +206,10 @@ def test_r9_any_positive_area_is_a_zone_unless_asked_otherwise() -> None:
 @pytest.mark.parametrize("options", [SEEN, ADJACENT])
 def test_r10_a_second_doorway_keeps_the_first_edge_and_its_point(options: MappingOptions) -> None:
     world, left, right = drawn(TWO_DOORS), (1.5, 3.5), (7.5, 3.5)
-    first = last(world, left, options=options).state.graph.passages["a", "b"]
+    first = last(world, left, options=options).state.graph.passages["a", "b", 0]
     both = last(world, left, (4.5, 3.5), right, options=options).state.graph.passages
-    alone = last(world, right, options=options).state.graph.passages["a", "b"]
-    assert both["a", "b"] == first
+    alone = last(world, right, options=options).state.graph.passages["a", "b", 0]
+    assert both["a", "b", 0] == first
     assert first.point[0] < 2.0
     assert alone.point[0] > 7.0
 

@@ -42,7 +42,7 @@ def mapped(label: str, region: Region) -> MappedZone:
 def state_of(zones: Mapping[str, Region], *edges: tuple[str, str]) -> MapState:
     metric = MetricMap({label: mapped(label, region) for label, region in zones.items()})
     nodes = {label: Node(label, label, 1) for label in zones}
-    passages = {(a, b): Passage(a, b, (0.0, 0.0), 1) for a, b in edges}
+    passages = {(a, b, 0): Passage(a, b, (0.0, 0.0), 1) for a, b in edges}
     return MapState(1, metric, TopologyGraph(nodes, passages))
 
 
@@ -76,7 +76,7 @@ class TestPaper:
 
     def test_shows_every_passage_on_both_sides(self, paper: MapState) -> None:
         shown = titles(render(paper))
-        for source, target in paper.graph.passages:
+        for source, target in paper.graph.pairs:
             arrow = f"{source} \u2192 {target} at"
             assert len([title for title in shown if title.startswith(arrow)]) == 2
 

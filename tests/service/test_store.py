@@ -15,7 +15,7 @@ from hypothesis import HealthCheck, given, settings
 from sqlalchemy import Connection, delete, event, func, insert, select, update
 from sqlalchemy.exc import IntegrityError
 
-from semtopo.codec import graph_body, zones_body
+from semtopo.codec import graph_body, to_json, zones_body
 from semtopo.mapper import MapState, explore
 from semtopo.types import MappingOptions
 from service import store
@@ -63,6 +63,14 @@ def logged(seq: int, key: str | None = None) -> LoggedStep:
     return LoggedStep(seq, "2026", key, b"\x01" * 32, '{"in":1}', '{"out":1}')
 
 
+def logged_as(after: MapState) -> LoggedStep:
+    """Return the log's entry of the step that led to a map."""
+    assert after.position is not None
+    x, y = after.position
+    given = to_json({"pose": {"x": x, "y": y}}).decode()
+    return replace(logged(after.seq), input=given, answer=to_json({"here": after.here}).decode())
+
+
 def saved(
     connection: Connection, states: tuple[MapState, ...], session_id: str = "one"
 ) -> SessionRow:
@@ -72,7 +80,7 @@ def saved(
     assert row is not None
     for before, after in pairwise(states):
         assert store.advance(connection, row.number, before.seq)
-        store.add_step(connection, row.number, logged(after.seq))
+        store.add_step(connection, row.number, logged_as(after))
         store.save_changes(connection, row.number, before, after)
     row = store.find_session(connection, session_id)
     assert row is not None
@@ -81,7 +89,8 @@ def saved(
 
 def assert_same(found: MapState, wanted: MapState) -> None:
     """Compare two maps to the last bit: order, polygons as they are written, borders, passages."""
-    assert found.seq == wanted.seq
+    assert (found.seq, found.here) == (wanted.seq, wanted.here)
+    assert found.position == wanted.position
     assert list(found.metric.zones) == list(wanted.metric.zones)
     for one, other in zip(found.metric.zones.values(), wanted.metric.zones.values(), strict=True):
         assert (one.zone_id, one.label, one.since, one.seq) == (

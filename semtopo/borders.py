@@ -1,0 +1,61 @@
+"""The border of a zone as pieces of line: walls, passages, frontiers.
+
+In comes a zone of the map; out go the stretches of its rings, each with its occupancy. A *frontier*
+is a piece with occupancy FREE: known free space ends there, and nobody knows what follows.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import dataclass
+
+import numpy as np
+import shapely
+
+from semtopo.metric import MappedZone
+from semtopo.types import Bytes, Floats, Occupancy
+from semtopo.zones import Border
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class BorderPiece:
+    """A stretch of a zone's border: `line` (n, 2) in m, map frame, n at least 2."""
+
+    occupancy: Occupancy
+    line: Floats
+
+
+def border_pieces(zone: MappedZone) -> tuple[BorderPiece, ...]:
+    """Return the border of a zone in pieces, ring by ring; together they are all of it.
+
+    The side between two border points has the lesser of their occupancies: what lies between a wall
+    and the end of sight was not seen. Without any border point on a side, it is FREE.
+    """
+    rings = shapely.get_rings(shapely.get_parts(zone.region))
+    return tuple(
+        piece for ring in rings for piece in _pieces(shapely.get_coordinates(ring), zone.border)
+    )
+
+
+def _pieces(ring: Floats, border: Border) -> Iterator[BorderPiece]:
+    """Yield the pieces of a closed ring (n, 2), from one change of occupancy to the next."""
+    sides = _side_occupancies(ring, border)
+    (changes,) = np.nonzero(sides != np.roll(sides, 1))
+    if len(changes) == 0:
+        yield BorderPiece(Occupancy(int(sides[0])), ring)
+        return
+    open_ring = ring[:-1]
+    for start, end in zip(changes, np.roll(changes, -1), strict=True):
+        stop = end if end > start else end + len(sides)
+        places = np.arange(start, stop + 1) % len(sides)
+        yield BorderPiece(Occupancy(int(sides[start])), open_ring[places])
+
+
+def _side_occupancies(ring: Floats, border: Border) -> Bytes:
+    """Return the occupancy of each side of a closed ring (n, 2): n - 1 of them."""
+    known = dict(zip(map(tuple, border.xy.tolist()), border.occupancy.tolist(), strict=True))
+    nothing = int(Occupancy.NONE)
+    claims = np.array([known.get(tuple(xy), nothing) for xy in ring.tolist()], dtype=np.uint8)
+    one, other = claims[:-1], claims[1:]
+    both = np.where(one == nothing, other, np.where(other == nothing, one, np.minimum(one, other)))
+    return np.where(both == nothing, np.uint8(Occupancy.FREE), both).astype(np.uint8)
