@@ -30,6 +30,7 @@ from service.protocol import PatientProtocol
 from service.routes import router
 from service.sessions import Sessions
 from service.settings import Settings
+from service.views import views
 from service.writer import open_writer
 
 STOP_SECONDS_MAX = 20
@@ -59,6 +60,7 @@ def create_app(settings: Settings, database: Database) -> FastAPI:
     app.state.database = database
     errors.register(app)
     app.include_router(router)
+    app.include_router(views)
     app.include_router(operations)
     # the files of Swagger UI come with a package, so that /docs works without internet
     swagger = resources.files("fastapi_swagger") / "resources"

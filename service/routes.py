@@ -5,14 +5,14 @@ from __future__ import annotations
 import hashlib
 import secrets
 from asyncio import to_thread
+from functools import partial
 from importlib.metadata import version
 from typing import Annotated, Any
 
 import orjson
 from fastapi import APIRouter, Query, Request, Response
-from fastapi.responses import JSONResponse
 
-from semtopo.codec import answer_document, route_document
+from semtopo.codec import answer_document, route_document, zones_body
 from service import schemas
 from service.hot import HotSession
 from service.parameters import (
@@ -28,32 +28,16 @@ from service.parameters import (
     bounding_box,
     entity_tags,
     idempotency_key,
-    is_known,
     owner_of,
     sessions_of,
 )
 from service.recording import StepRequest
+from service.replies import GeoJsonBytes, JsonBytes, unless_known
 from service.schemas import problems
-from service.sessions import Body, now
+from service.sessions import now
 from service.store import LoggedStep, NewSession, SessionHead
 
 router = APIRouter(responses=problems(401, 413, 422, 503))
-
-
-class JsonBytes(Response):
-    """JSON that is written already."""
-
-    media_type = "application/json"
-
-
-class GeoJsonBytes(JSONResponse):
-    """GeoJSON that is written already."""
-
-    media_type = "application/geo+json"
-
-    def render(self, content: bytes) -> bytes:
-        """Return it as it is."""
-        return content
 
 
 @router.post(
@@ -155,7 +139,7 @@ async def read_graph(
 ) -> Response:
     """Read the topology graph, now or as of a step."""
     body = await sessions_of(request).graph(session_id, at)
-    return _unless_known(JsonBytes, body, if_none_match)
+    return unless_known(JsonBytes, body, if_none_match)
 
 
 @router.get(
@@ -173,8 +157,10 @@ async def read_zones(
     at: AtStep = None,
 ) -> Response:
     """Read the metric map as GeoJSON, now or as of a step; of all zones, or those in a box."""
-    body = await sessions_of(request).zones(session_id, at, bounding_box(box))
-    return _unless_known(GeoJsonBytes, body, if_none_match)
+    chosen = bounding_box(box)
+    build = partial(zones_body, box=chosen)
+    body = await sessions_of(request).view(session_id, at, f"zones {chosen}", build)
+    return unless_known(GeoJsonBytes, body, if_none_match)
 
 
 @router.get(
@@ -261,11 +247,3 @@ def _step(logged: LoggedStep) -> dict[str, Any]:
         "input": orjson.Fragment(logged.input),
         "answer": orjson.Fragment(logged.answer),
     }
-
-
-def _unless_known(kind: type[Response], body: Body, if_none_match: str | None) -> Response:
-    """Return a body with its entity tag, or 304 if the client has it (RFC 9110, 13.1.2)."""
-    headers = {"ETag": body.tag, "Cache-Control": "no-cache"}
-    if is_known(if_none_match, body.tag):
-        return Response(status_code=304, headers=headers)
-    return kind(body.content, headers=headers)

@@ -195,6 +195,36 @@ class ZonesAnswer(BaseModel):
     features: list[ZoneFeature]
 
 
+class LineAnswer(BaseModel):
+    """A line of two points or more; m, map frame."""
+
+    type: Literal["LineString"]
+    coordinates: list[Point]
+
+
+class BorderProperties(BaseModel):
+    """Of which zone a stretch of border is, and what is there; at `free` the unknown begins."""
+
+    zone_id: str
+    occupancy: Literal["obstacle", "passage", "free"]
+
+
+class BorderFeature(BaseModel):
+    """A stretch of a zone's border as a GeoJSON feature."""
+
+    type: Literal["Feature"]
+    geometry: LineAnswer
+    properties: BorderProperties
+
+
+class BordersAnswer(BaseModel):
+    """The borders of all zones after step `seq`, as GeoJSON."""
+
+    type: Literal["FeatureCollection"]
+    seq: int
+    features: list[BorderFeature]
+
+
 class LoggedInput(BaseModel):
     """What a step brought."""
 

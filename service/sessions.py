@@ -25,7 +25,7 @@ from semtopo import (
     find_route,
     find_zone,
 )
-from semtopo.codec import Box, graph_body, step_document, to_json, zones_body
+from semtopo.codec import graph_body, step_document, to_json
 from service import store
 from service.database import Database
 from service.errors import BusyError, StorageError, UnknownSessionError, UnknownStepError
@@ -126,11 +126,11 @@ class Sessions:
             raise BusyError("too many steps are waiting")
         return await self._to_its_end(self._step_in_turn(session_id, request))
 
-    async def zones(self, session_id: str, at: int | None, box: Box | None) -> Body:
-        """Return the zones of a map as GeoJSON: now, or as of step `at`."""
-        hot = await self.find(session_id)
-        kind = f"zones {box}"
-        return await self._body(hot, at, kind, lambda state: zones_body(state, box))
+    async def view(
+        self, session_id: str, at: int | None, kind: str, build: Callable[[MapState], bytes]
+    ) -> Body:
+        """Return what `build` makes of a map, now or as of step `at`; kept in memory by `kind`."""
+        return await self._body(await self.find(session_id), at, kind, build)
 
     async def graph(self, session_id: str, at: int | None) -> Body:
         """Return the graph of a map: now, or as of step `at`."""

@@ -51,6 +51,8 @@ def assert_fits(body: bytes, model: type[BaseModel]) -> None:
         ("/zones", schemas.ZonesAnswer, GEOJSON),
         ("/zones?at=3&bbox=0,0,5,5", schemas.ZonesAnswer, GEOJSON),
         ("/zones?at=0", schemas.ZonesAnswer, GEOJSON),
+        ("/borders", schemas.BordersAnswer, GEOJSON),
+        ("/borders?at=0", schemas.BordersAnswer, GEOJSON),
         ("/steps", schemas.StepsAnswer, "application/json"),
         ("/steps?after=7&limit=1", schemas.StepsAnswer, "application/json"),
         ("/route?from=corridor&to=A", schemas.RouteAnswer, "application/json"),
@@ -191,6 +193,7 @@ def test_after_a_deletion_nothing_is_left(server: Server) -> None:
     calls = [
         ("GET", "", None), ("DELETE", "", None), ("GET", "/graph", None), ("GET", "/zones", None),
         ("GET", "/graph?at=1", None), ("GET", "/zones?at=1", None), ("GET", "/steps", None),
+        ("GET", "/borders", None), ("GET", "/borders?at=1", None),
         ("GET", "/route?from=A&to=A", None), ("POST", "/query", {"text": "path from A to A"}),
         ("POST", "/step", paper_steps()[0]), ("POST", "/step", {**paper_steps()[0], "seq": 2}),
     ]  # fmt: skip
@@ -261,6 +264,7 @@ def test_the_description_names_every_call(server: Server) -> None:
         ("post", "/sessions"), ("get", "/sessions"), ("get", below), ("delete", below),
         ("post", f"{below}/step"), ("get", f"{below}/steps"), ("get", f"{below}/graph"),
         ("get", f"{below}/zones"), ("get", f"{below}/route"), ("post", f"{below}/query"),
+        ("get", f"{below}/borders"),
         ("get", "/healthz"), ("get", "/readyz"), ("get", "/metrics"),
     }  # fmt: skip
 

@@ -12,6 +12,7 @@ import orjson
 import pytest
 from sqlalchemy import Connection
 
+from semtopo.codec import zones_body
 from service.database import open_database
 from service.errors import StorageError
 from service.metrics import Metrics
@@ -94,7 +95,7 @@ def test_after_a_failure_a_step_is_taken_on_what_is_stored(
             again = await take(sessions, request(STEPS[4], key))
             assert again == (first if lose is Lose.THE_ANSWER else twin.step(STEPS[4]))
         assert await take(sessions, request(STEPS[6])) == twin.step(STEPS[6])
-        assert (await sessions.zones("s", None, None)).content == twin.zones()
+        assert (await sessions.view("s", None, "zones", zones_body)).content == twin.zones()
         assert (await sessions.graph("s", None)).content == twin.graph()
 
     twin = Twin(SESSION)

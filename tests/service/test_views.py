@@ -1,0 +1,54 @@
+"""What can be seen of a map over HTTP is what the library draws and writes, to the byte."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+
+import pytest
+
+from semtopo.exports.geojson import borders_body
+from semtopo.mapper import MapState
+from tests.servers import Server
+from tests.service.twin import Twin, paper_steps, paper_world
+
+pytestmark = pytest.mark.databases("sqlite", "postgres")
+
+VIEWS: dict[str, Callable[[MapState], bytes]] = {"borders": borders_body}
+
+every_view = pytest.mark.parametrize("view", VIEWS)
+
+
+@pytest.fixture(scope="module")
+def twin() -> Twin:
+    """Give the paper's run in the library."""
+    return Twin.driven({"world": paper_world()}, paper_steps())
+
+
+@pytest.fixture(scope="module")
+def session(lasting_server: Server, twin: Twin) -> str:
+    """Give the paper's run on a server."""
+    path = lasting_server.create(**twin.session)
+    for document in paper_steps():
+        lasting_server.step(path, document)
+    return path
+
+
+@every_view
+@pytest.mark.parametrize("seq", [None, 0, 1, 29, 65, 81])
+def test_a_view_is_that_of_the_library(
+    server: Server, session: str, twin: Twin, view: str, seq: int | None
+) -> None:
+    query = {} if seq is None else {"at": seq}
+    shown = server.get(f"{session}/{view}", **query)
+    assert shown == VIEWS[view](twin.states[twin.seq if seq is None else seq])
+    assert server.get(f"{session}/{view}", **query) == shown
+
+
+@every_view
+def test_a_view_that_is_known_is_not_sent_again(server: Server, session: str, view: str) -> None:
+    url = f"{session}/{view}"
+    tag = server.client.get(url).headers["ETag"]
+    assert tag == server.client.get(f"{session}/zones").headers["ETag"]
+    known = server.client.get(url, headers={"If-None-Match": tag})
+    assert (known.status_code, known.content, known.headers["ETag"]) == (304, b"", tag)
+    assert server.client.get(f"{url}?at=80", headers={"If-None-Match": tag}).status_code == 200
