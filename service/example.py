@@ -8,14 +8,17 @@ from pathlib import Path
 from semtopo import PoseDocument, WorldDocument
 from semtopo.formats.path import read_path
 from service.errors import StorageError, UnknownSessionError
-from service.routes import new_session, step_request
-from service.schemas import SessionRequest, StepDocument
+from service.routes.sessions import new_session
+from service.routes.steps import step_request
+from service.schemas.sessions import SessionRequest
+from service.schemas.steps import StepDocument
 from service.sessions import Sessions
+from service.steps import Steps
 
 SESSION_ID = "example"
 
 
-async def make_example(sessions: Sessions, folder: Path) -> None:
+async def make_example(sessions: Sessions, steps: Steps, folder: Path) -> None:
     """Drive the path of a folder through its world, as far as that was not done before."""
     world = WorldDocument.model_validate_json((folder / "world.json").read_bytes())
     path = read_path((folder / "path.csv").read_bytes())
@@ -27,4 +30,4 @@ async def make_example(sessions: Sessions, folder: Path) -> None:
         driven = 0
     for seq, pose in enumerate(path[driven:], start=driven + 1):
         document = StepDocument(pose=PoseDocument(x=pose.x, y=pose.y, theta=pose.theta), seq=seq)
-        await sessions.step(SESSION_ID, step_request(document))
+        await steps.take(SESSION_ID, step_request(document))

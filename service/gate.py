@@ -12,7 +12,8 @@ from fastapi import FastAPI
 from starlette.datastructures import Headers
 from starlette.types import ASGIApp, Receive, Scope, Send
 
-from service.errors import UnauthorizedError, UnknownSessionError, problem_of
+from service.errors import UnauthorizedError, UnknownSessionError
+from service.problems import problem_of
 from service.sessions import Sessions
 
 _GUARDED = re.compile(r"/sessions(?:/(?P<id>[^/]*)(?:/.*)?)?/?", re.DOTALL)

@@ -7,10 +7,8 @@ the stored version before it is believed, and replaced only after a commit.
 from __future__ import annotations
 
 import math
-from collections import OrderedDict
-from collections.abc import Callable, Iterable
+from collections.abc import Iterable
 from dataclasses import dataclass, replace
-from typing import Generic, TypeVar
 
 from sqlalchemy import Connection
 
@@ -51,9 +49,6 @@ LIGHT_READINGS = 200_000
 
 LIGHT_MAP_BYTES = 2**19
 """A larger map has zones whose union with what is seen may take more than some ms."""
-
-Key = TypeVar("Key")
-Value = TypeVar("Value")
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -161,44 +156,3 @@ def _bytes_of(zones: Iterable[MappedZone]) -> int:
         MAP_ZONE_BYTES + POINT_BYTES * (count_vertices(zone.region) + len(zone.border.xy))
         for zone in zones
     )
-
-
-class Recent(Generic[Key, Value]):
-    """A dictionary that forgets what was not used for longest. For one thread only."""
-
-    def __init__(self, size: int, weight_max: int, weigh: Callable[[Value], int]) -> None:
-        """Make room for `size` entries that weigh up to `weight_max` together."""
-        self._size = size
-        self._weight_max = weight_max
-        self._weigh = weigh
-        self._weight = 0
-        self._entries: OrderedDict[Key, tuple[Value, int]] = OrderedDict()
-
-    def __len__(self) -> int:
-        """Return the number of entries."""
-        return len(self._entries)
-
-    @property
-    def weight(self) -> int:
-        """What all entries weigh."""
-        return self._weight
-
-    def get(self, key: Key) -> Value | None:
-        """Return an entry, which thereby becomes the most recent one."""
-        if key not in self._entries:
-            return None
-        self._entries.move_to_end(key)
-        return self._entries[key][0]
-
-    def put(self, key: Key, value: Value) -> None:
-        """Keep an entry, and forget the oldest where there are too many; it stays if alone."""
-        self.drop(key)
-        self._entries[key] = value, self._weigh(value)
-        self._weight += self._entries[key][1]
-        while len(self) > 1 and (len(self) > self._size or self._weight > self._weight_max):
-            self.drop(next(iter(self._entries)))
-
-    def drop(self, key: Key) -> None:
-        """Forget an entry, if it is there."""
-        _, weight = self._entries.pop(key, (None, 0))
-        self._weight -= weight

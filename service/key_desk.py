@@ -7,9 +7,9 @@ from contextlib import contextmanager
 
 from sqlalchemy import Connection
 
+from service.clock import now
 from service.database import open_database
 from service.keys import add_key, list_keys, revoke_key
-from service.sessions import now
 from service.settings import Settings
 
 

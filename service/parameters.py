@@ -14,8 +14,10 @@ from fastapi import Header, Path, Query, Request
 from semtopo.codec import Box
 from semtopo.documents import COORDINATE_MAX, LABEL_LENGTH_MAX
 from service.errors import InvalidRequestError
-from service.schemas import SEQ_MAX
+from service.maps import Maps
+from service.schemas.steps import SEQ_MAX
 from service.sessions import Sessions
+from service.steps import Steps
 
 _KEY = re.compile(r'"([\x21\x23-\x7e]{1,255})"|([\x21\x23-\x7e]{1,255})')
 _TAGS = re.compile(r'\s*((W/)?"[\x21\x23-\x7e]{0,100}"|\*)\s*')
@@ -25,6 +27,18 @@ _NUMBER = re.compile(r"-?\d{1,15}(\.\d{1,15})?")
 def sessions_of(request: Request) -> Sessions:
     """Return the sessions of the application."""
     found: Sessions = request.app.state.sessions
+    return found
+
+
+def steps_of(request: Request) -> Steps:
+    """Return the steps of the application."""
+    found: Steps = request.app.state.steps
+    return found
+
+
+def maps_of(request: Request) -> Maps:
+    """Return the maps of the application."""
+    found: Maps = request.app.state.maps
     return found
 
 

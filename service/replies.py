@@ -5,8 +5,8 @@ from __future__ import annotations
 from fastapi import Response
 from fastapi.responses import JSONResponse
 
+from service.maps import Body
 from service.parameters import is_known
-from service.sessions import Body
 
 
 class JsonBytes(Response):

@@ -10,7 +10,12 @@ import httpx2
 import pytest
 from pydantic import BaseModel
 
-from service import schemas
+from service.schemas.answers import RouteAnswer
+from service.schemas.maps import BordersAnswer, GraphAnswer, ZonesAnswer
+from service.schemas.operations import HealthAnswer
+from service.schemas.problems import ProblemAnswer
+from service.schemas.sessions import SessionAnswer, SessionsAnswer
+from service.schemas.steps import StepAnswer, StepsAnswer
 from tests.servers import Json, Server
 from tests.service.twin import at, paper_steps, paper_world
 
@@ -45,18 +50,18 @@ def assert_fits(body: bytes, model: type[BaseModel]) -> None:
 @pytest.mark.parametrize(
     ("below", "model", "media_type"),
     [
-        ("", schemas.SessionAnswer, "application/json"),
-        ("/graph", schemas.GraphAnswer, "application/json"),
-        ("/graph?at=3", schemas.GraphAnswer, "application/json"),
-        ("/zones", schemas.ZonesAnswer, GEOJSON),
-        ("/zones?at=3&bbox=0,0,5,5", schemas.ZonesAnswer, GEOJSON),
-        ("/zones?at=0", schemas.ZonesAnswer, GEOJSON),
-        ("/borders", schemas.BordersAnswer, GEOJSON),
-        ("/borders?at=0", schemas.BordersAnswer, GEOJSON),
-        ("/steps", schemas.StepsAnswer, "application/json"),
-        ("/steps?after=7&limit=1", schemas.StepsAnswer, "application/json"),
-        ("/route?from=corridor&to=A", schemas.RouteAnswer, "application/json"),
-        ("/route?from=A&to=A", schemas.RouteAnswer, "application/json"),
+        ("", SessionAnswer, "application/json"),
+        ("/graph", GraphAnswer, "application/json"),
+        ("/graph?at=3", GraphAnswer, "application/json"),
+        ("/zones", ZonesAnswer, GEOJSON),
+        ("/zones?at=3&bbox=0,0,5,5", ZonesAnswer, GEOJSON),
+        ("/zones?at=0", ZonesAnswer, GEOJSON),
+        ("/borders", BordersAnswer, GEOJSON),
+        ("/borders?at=0", BordersAnswer, GEOJSON),
+        ("/steps", StepsAnswer, "application/json"),
+        ("/steps?after=7&limit=1", StepsAnswer, "application/json"),
+        ("/route?from=corridor&to=A", RouteAnswer, "application/json"),
+        ("/route?from=A&to=A", RouteAnswer, "application/json"),
     ],
 )
 def test_readings_fit_their_description(
@@ -71,7 +76,7 @@ def test_readings_fit_their_description(
 def test_a_session_begins_empty(server: Server) -> None:
     answer = server.client.post("/sessions", json={"name": "ours", "world": paper_world()})
     assert answer.status_code == 201
-    assert_fits(answer.content, schemas.SessionAnswer)
+    assert_fits(answer.content, SessionAnswer)
     body = answer.json()
     assert answer.headers["Location"] == f"/sessions/{body['id']}"
     assert (body["name"], body["seq"]) == ("ours", 0)
@@ -106,7 +111,7 @@ def test_a_step_answers_what_it_found(server: Server) -> None:
     path = server.create(world=paper_world())
     answer = server.client.post(f"{path}/step", json=paper_steps()[0])
     assert answer.status_code == 201
-    assert_fits(answer.content, schemas.StepAnswer)
+    assert_fits(answer.content, StepAnswer)
     body = answer.json()
     assert (body["seq"], body["here"]) == (1, "corridor")
     assert body["events"] == [{"type": "node", "label": "corridor", "zone_id": "corridor"}]
@@ -164,7 +169,7 @@ def pages_of_sessions(server: Server, limit: int | None) -> Iterator[list[Json]]
     query: dict[str, object] = {} if limit is None else {"limit": limit}
     while True:
         page = server.get("/sessions", **query)
-        assert_fits(page, schemas.SessionsAnswer)
+        assert_fits(page, SessionsAnswer)
         yield json.loads(page)["sessions"]
         if json.loads(page)["next"] is None:
             return
@@ -231,12 +236,12 @@ def test_an_unknown_address(server: Server, path: str) -> None:
     answer = server.client.get(path)
     assert (answer.status_code, answer.json()["code"]) == (404, "not_found")
     assert answer.headers["Content-Type"] == PROBLEM
-    schemas.ProblemAnswer.model_validate_json(answer.content)
+    ProblemAnswer.model_validate_json(answer.content)
 
 
 @pytest.mark.parametrize("path", ["/healthz", "/readyz"])
 def test_health(server: Server, path: str) -> None:
-    assert_fits(server.get(path), schemas.HealthAnswer)
+    assert_fits(server.get(path), HealthAnswer)
 
 
 def test_metrics_are_in_the_format_of_prometheus(server: Server) -> None:

@@ -10,7 +10,7 @@ from typing import Any
 import httpx2
 import pytest
 
-from service.schemas import ProblemAnswer
+from service.schemas.problems import ProblemAnswer
 from service.settings import Settings
 from tests.servers import Json, Server
 from tests.service.twin import at, paper_steps, paper_world

@@ -16,8 +16,8 @@ import pytest
 import semtopo
 import service
 from semtopo.errors import InvalidInputError, SemtopoError
-from service import errors
-from service.errors import STATUS, status_of
+from service import problems
+from service.problems import STATUS, status_of
 
 
 def modules(package: ModuleType) -> Iterator[ModuleType]:
@@ -55,12 +55,12 @@ def test_codes_are_words_and_no_two_errors_share_one() -> None:
     assert len(set(codes)) == len(codes)
     assert all(re.fullmatch(r"[a-z]+(_[a-z]+)*", code) for code in codes)
     assert all("code" in vars(error) for error in ALL)
-    plain = set(errors._PLAIN_CODES.values())
+    plain = set(problems._PLAIN_CODES.values())
     assert not plain & set(codes)
 
 
 def test_codes_that_the_shape_of_a_request_leads_to_are_those_of_errors() -> None:
-    assert set(errors._DOCUMENT_CODES.values()) <= {error.code for error in ALL}
+    assert set(problems._DOCUMENT_CODES.values()) <= {error.code for error in ALL}
 
 
 ONLY_IN_COMMANDS = {"invalid_database", "invalid_key_name", "invalid_path", "unknown_key"}
@@ -80,7 +80,7 @@ def codes_written_in_place() -> Iterator[str]:
 def test_the_table_of_codes_is_complete() -> None:
     page = (Path(__file__).parents[2] / "docs" / "errors.md").read_text(encoding="utf-8")
     table = dict(re.findall(r"^\| `(\w+)` \| (\w*) *\| .+ \|$", page, re.MULTILINE))
-    plain = {code: str(status) for status, code in errors._PLAIN_CODES.items()}
+    plain = {code: str(status) for status, code in problems._PLAIN_CODES.items()}
     written = set(codes_written_in_place())
     assert {"malformed_json", "internal_error", "body_too_large"} <= written
     assert set(table) == {error.code for error in ALL} | set(plain) | written | {"refused"}

@@ -7,21 +7,21 @@ from typing import Any
 from fastapi import APIRouter, Request, Response
 
 from semtopo.exports.geojson import borders_body
-from service import schemas
-from service.parameters import AtStep, IfNoneMatch, SessionId, sessions_of
+from service.parameters import AtStep, IfNoneMatch, SessionId, maps_of
 from service.replies import GeoJsonBytes, unless_known
-from service.schemas import problems
+from service.schemas.maps import BordersAnswer
+from service.schemas.problems import problems
 
-views = APIRouter(
+router = APIRouter(
     prefix="/sessions/{session_id}", responses=problems(401, 404, 413, 422, 503), tags=["map"]
 )
 
 UNCHANGED: dict[int | str, dict[str, Any]] = {304: {"description": "unchanged"}}
 
 
-@views.get(
+@router.get(
     "/borders",
-    response_model=schemas.BordersAnswer,
+    response_model=BordersAnswer,
     response_class=GeoJsonBytes,
     responses=UNCHANGED,
 )
@@ -29,5 +29,5 @@ async def read_borders(
     request: Request, session_id: SessionId, if_none_match: IfNoneMatch = None, at: AtStep = None
 ) -> Response:
     """Read the borders of all zones as GeoJSON lines: walls, passages and frontiers (`free`)."""
-    body = await sessions_of(request).view(session_id, at, "borders", borders_body)
+    body = await maps_of(request).view(session_id, at, "borders", borders_body)
     return unless_known(GeoJsonBytes, body, if_none_match)

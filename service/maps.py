@@ -1,0 +1,84 @@
+"""Show maps, as they are and as they were, and answer questions about them."""
+
+from __future__ import annotations
+
+import asyncio
+from collections.abc import Callable
+from dataclasses import dataclass
+from functools import partial
+
+from semtopo import MapState, PathAnswer, Route, answer, find_route, find_zone
+from semtopo.codec import graph_body
+from service.errors import UnknownStepError
+from service.history import state_at
+from service.hot import HotSession, entity_tag
+from service.recent import Recent
+from service.sessions import Sessions
+from service.settings import Settings
+
+
+@dataclass(frozen=True, slots=True)
+class Body:
+    """The bytes of an answer, and the entity tag of the map that they show."""
+
+    content: bytes
+    tag: str
+
+
+class Maps:
+    """The maps of all sessions, for those who read them."""
+
+    def __init__(self, sessions: Sessions, settings: Settings) -> None:
+        """Begin without bodies in memory."""
+        self._sessions = sessions
+        self._bodies: Recent[tuple[str, str], Body] = Recent(
+            settings.cached_bodies_max, settings.cached_bytes_max, lambda body: len(body.content)
+        )
+
+    async def view(
+        self, session_id: str, at: int | None, kind: str, build: Callable[[MapState], bytes]
+    ) -> Body:
+        """Return what `build` makes of a map, now or as of step `at`; kept in memory by `kind`."""
+        hot = await self._sessions.find(session_id)
+        tag = entity_tag(hot.row.number, _checked(at, hot))
+        body = self._bodies.get((tag, kind))
+        if body is None:
+            state = await self.state(hot, at)
+            body = Body(await asyncio.to_thread(build, state), tag)
+            self._bodies.put((tag, kind), body)
+        return body
+
+    async def graph(self, session_id: str, at: int | None) -> Body:
+        """Return the graph of a map: now, or as of step `at`."""
+        hot = await self._sessions.find(session_id)
+        seq = _checked(at, hot)
+        # passages are never moved nor removed, so an earlier graph is a part of this one
+        content = await asyncio.to_thread(lambda: graph_body(hot.state.graph.at(seq), seq))
+        return Body(content, entity_tag(hot.row.number, seq))
+
+    async def route(self, session_id: str, source: str, target: str) -> Route:
+        """Return the route between two zones, by their names."""
+        graph = (await self._sessions.find(session_id)).state.graph
+        ends = (find_zone(graph.nodes, source), find_zone(graph.nodes, target))
+        return await asyncio.to_thread(find_route, graph, *ends)
+
+    async def answer(self, session_id: str, text: str) -> PathAnswer:
+        """Return the answer to a sentence."""
+        hot = await self._sessions.find(session_id)
+        return await asyncio.to_thread(answer, hot.state, text)
+
+    async def state(self, hot: HotSession, at: int | None) -> MapState:
+        """Return the map of a session: now, or as of step `at`; raises UnknownStepError."""
+        seq = _checked(at, hot)
+        if seq == hot.seq:
+            return hot.state
+        return await self._sessions.read(partial(state_at, hot=hot, seq=seq))
+
+
+def _checked(at: int | None, hot: HotSession) -> int:
+    """Return the step that is asked for; raises UnknownStepError if it was not taken yet."""
+    if at is None:
+        return hot.seq
+    if at > hot.seq:
+        raise UnknownStepError(f"the last step of this session is {hot.seq}")
+    return at

@@ -1,0 +1,11 @@
+"""The HTTP interface: every endpoint parses, calls one function of the service, and answers."""
+
+from __future__ import annotations
+
+from fastapi import APIRouter
+
+from service.routes import answers, maps, operations, sessions, steps, views
+
+router = APIRouter()
+for room in (sessions, steps, maps, views, answers, operations):
+    router.include_router(room.router)

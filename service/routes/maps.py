@@ -1,0 +1,55 @@
+"""Read the graph and the zones."""
+
+from __future__ import annotations
+
+from functools import partial
+
+from fastapi import APIRouter, Request, Response
+
+from semtopo.codec import zones_body
+from service.parameters import (
+    AtStep,
+    BoundingBox,
+    IfNoneMatch,
+    SessionId,
+    bounding_box,
+    maps_of,
+)
+from service.replies import GeoJsonBytes, JsonBytes, unless_known
+from service.schemas.maps import GraphAnswer, ZonesAnswer
+from service.schemas.problems import problems
+
+router = APIRouter(tags=["map"], responses=problems(401, 413, 422, 503))
+
+
+@router.get(
+    "/sessions/{session_id}/graph",
+    response_model=GraphAnswer,
+    responses={304: {"description": "unchanged"}, **problems(404)},
+)
+async def read_graph(
+    request: Request, session_id: SessionId, if_none_match: IfNoneMatch = None, at: AtStep = None
+) -> Response:
+    """Read the topology graph, now or as of a step."""
+    body = await maps_of(request).graph(session_id, at)
+    return unless_known(JsonBytes, body, if_none_match)
+
+
+@router.get(
+    "/sessions/{session_id}/zones",
+    response_model=ZonesAnswer,
+    response_class=GeoJsonBytes,
+    responses={304: {"description": "unchanged"}, **problems(404)},
+)
+async def read_zones(
+    request: Request,
+    session_id: SessionId,
+    if_none_match: IfNoneMatch = None,
+    box: BoundingBox = None,
+    at: AtStep = None,
+) -> Response:
+    """Read the metric map as GeoJSON, now or as of a step; of all zones, or those in a box."""
+    chosen = bounding_box(box)
+    build = partial(zones_body, box=chosen)
+    body = await maps_of(request).view(session_id, at, f"zones {chosen}", build)
+    return unless_known(GeoJsonBytes, body, if_none_match)

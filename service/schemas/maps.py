@@ -1,0 +1,103 @@
+"""Maps: the graph, and the zones as GeoJSON."""
+
+from __future__ import annotations
+
+from typing import Literal
+
+from pydantic import BaseModel
+
+from semtopo.types import Point
+
+
+class GraphNode(BaseModel):
+    """A zone in the graph."""
+
+    id: str
+    label: str
+
+
+class GraphEdge(BaseModel):
+    """A directed edge; `seq` is the step that found it."""
+
+    source: str
+    target: str
+    point: Point
+    seq: int
+
+
+class GraphAnswer(BaseModel):
+    """The topology graph after step `seq`."""
+
+    seq: int
+    nodes: list[GraphNode]
+    edges: list[GraphEdge]
+
+
+class PolygonAnswer(BaseModel):
+    """A polygon: outer ring first, then holes; m, map frame."""
+
+    type: Literal["Polygon"]
+    coordinates: list[list[Point]]
+
+
+class MultiPolygonAnswer(BaseModel):
+    """Several polygons of one zone."""
+
+    type: Literal["MultiPolygon"]
+    coordinates: list[list[list[Point]]]
+
+
+class ZoneProperties(BaseModel):
+    """About a zone: area in m^2, the step that found it, the last step that changed it."""
+
+    label: str
+    area: float
+    since: int
+    seq: int
+
+
+class ZoneFeature(BaseModel):
+    """A zone as a GeoJSON feature."""
+
+    type: Literal["Feature"]
+    id: str
+    geometry: PolygonAnswer | MultiPolygonAnswer
+    properties: ZoneProperties
+
+
+class ZonesAnswer(BaseModel):
+    """The metric map after step `seq`, as GeoJSON."""
+
+    type: Literal["FeatureCollection"]
+    seq: int
+    features: list[ZoneFeature]
+
+
+class LineAnswer(BaseModel):
+    """A line of two points or more; m, map frame."""
+
+    type: Literal["LineString"]
+    coordinates: list[Point]
+
+
+class BorderProperties(BaseModel):
+    """Of which zone a stretch of border is, and what is there; at `free` the unknown begins."""
+
+    zone_id: str
+    occupancy: Literal["obstacle", "passage", "free"]
+
+
+class BorderFeature(BaseModel):
+    """A stretch of a zone's border as a GeoJSON feature."""
+
+    type: Literal["Feature"]
+    geometry: LineAnswer
+    properties: BorderProperties
+
+
+class BordersAnswer(BaseModel):
+    """The borders of all zones after step `seq`, as GeoJSON."""
+
+    type: Literal["FeatureCollection"]
+    seq: int
+    features: list[BorderFeature]

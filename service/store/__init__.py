@@ -1,0 +1,55 @@
+"""Keep sessions, steps and maps in a database: with `tables`, the only room that speaks SQL.
+
+Every function works on a connection that is in a transaction; whoever calls it commits. A step, its
+answer, the rows it changed and the new version belong to one transaction.
+"""
+
+from service.store.log import (
+    PAGE_CHARACTERS,
+    LoggedStep,
+    add_step,
+    find_step,
+    find_step_by_key,
+    list_steps,
+    page_of_steps,
+)
+from service.store.maps import (
+    CHECKPOINT_EVERY,
+    load_checkpoint,
+    load_state,
+    save_changes,
+)
+from service.store.sessions import (
+    NewSession,
+    SessionHead,
+    SessionRow,
+    add_session,
+    advance,
+    delete_session,
+    find_session,
+    find_version,
+    list_sessions,
+)
+
+__all__ = [
+    "CHECKPOINT_EVERY",
+    "PAGE_CHARACTERS",
+    "LoggedStep",
+    "NewSession",
+    "SessionHead",
+    "SessionRow",
+    "add_session",
+    "add_step",
+    "advance",
+    "delete_session",
+    "find_session",
+    "find_step",
+    "find_step_by_key",
+    "find_version",
+    "list_sessions",
+    "list_steps",
+    "load_checkpoint",
+    "load_state",
+    "page_of_steps",
+    "save_changes",
+]

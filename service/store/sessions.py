@@ -1,0 +1,102 @@
+"""Rows of sessions: who they are, and how many steps each has taken."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, fields
+
+from sqlalchemy import Connection, bindparam, delete, insert, select, update
+
+from service.statements import Statement, run
+from service.tables import sessions
+
+_ADVANCE = Statement(
+    update(sessions)
+    .where(
+        sessions.c.number == bindparam("at_number"), sessions.c.version == bindparam("at_version")
+    )
+    .values(version=bindparam("version"))
+)
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class SessionHead:
+    """What a listing tells of a session; `version` is the seq of its last step."""
+
+    number: int
+    id: str
+    name: str
+    created_at: str
+    version: int
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class SessionRow(SessionHead):
+    """A session as it is stored; world, sensor and mapping are JSON."""
+
+    owner: int | None
+    world: str | None
+    sensor: str
+    mapping: str
+    engine: str
+
+
+@dataclass(frozen=True, slots=True)
+class NewSession:
+    """A session to be stored."""
+
+    id: str
+    name: str
+    created_at: str
+    world: str | None
+    sensor: str
+    mapping: str
+    engine: str
+    owner: int | None = None
+
+
+def add_session(connection: Connection, new: NewSession) -> None:
+    """Store a new session, with an empty map."""
+    values = {name: getattr(new, name) for name in NewSession.__slots__}
+    connection.execute(insert(sessions).values(version=0, **values))
+
+
+def find_session(connection: Connection, session_id: str) -> SessionRow | None:
+    """Return a session, or `None` if there is none of that id."""
+    query = select(sessions).where(sessions.c.id == session_id)
+    row = connection.execute(query).mappings().one_or_none()
+    return None if row is None else SessionRow(**row)
+
+
+def list_sessions(
+    connection: Connection, owner: int | None, after: int, limit: int
+) -> list[SessionHead]:
+    """Return up to `limit` sessions, oldest first, whose number is above `after`.
+
+    With an owner, only the sessions made with that API key.
+    """
+    columns = [sessions.c[field.name] for field in fields(SessionHead)]
+    query = select(*columns).where(sessions.c.number > after).order_by(sessions.c.number)
+    if owner is not None:
+        query = query.where(sessions.c.owner == owner)
+    return [SessionHead(**row) for row in connection.execute(query.limit(limit)).mappings()]
+
+
+def delete_session(connection: Connection, session_id: str) -> bool:
+    """Delete a session with all that belongs to it; say whether there was one."""
+    return connection.execute(delete(sessions).where(sessions.c.id == session_id)).rowcount > 0
+
+
+def find_version(connection: Connection, session_id: str) -> tuple[int, int] | None:
+    """Return the number of a session and the seq of its last step; `None` if there is none."""
+    query = select(sessions.c.number, sessions.c.version).where(sessions.c.id == session_id)
+    row = connection.execute(query).one_or_none()
+    return None if row is None else (row.number, row.version)
+
+
+def advance(connection: Connection, session: int, base: int) -> bool:
+    """Move a session from version `base` to the next; say whether it was at `base`.
+
+    Where several processes write, the first one wins, and locks the session until it commits.
+    """
+    values = {"at_number": session, "at_version": base, "version": base + 1}
+    return run(connection, _ADVANCE, values) == 1
