@@ -48,6 +48,7 @@ from semtopo.documents import (
     SensorDocument,
     WorldDocument,
 )
+from semtopo.doorways import Doorway, Doorways
 from semtopo.errors import (
     InvalidInputError,
     InvalidMapError,
@@ -76,6 +77,8 @@ from semtopo.zones import SensorMap, Zone, extract
 
 __all__ = [
     "BorderPiece",
+    "Doorway",
+    "Doorways",
     "Edges",
     "InvalidInputError",
     "InvalidMapError",

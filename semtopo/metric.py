@@ -10,6 +10,7 @@ from collections.abc import Mapping
 from dataclasses import dataclass, field, replace
 from types import MappingProxyType
 
+from semtopo.doorways import Doorways
 from semtopo.geometry import Region, fuse
 from semtopo.zones import Border, SensorMap, Zone
 
@@ -32,9 +33,13 @@ class MappedZone:
 
 @dataclass(frozen=True, slots=True, eq=False)
 class MetricMap:
-    """The metric map M_m: zones by `zone_id`, in the order in which they were found."""
+    """The metric map M_m: zones by `zone_id`, in the order in which they were found.
+
+    What is known to be free is the zones and the `doorways` between them.
+    """
 
     zones: Mapping[str, MappedZone] = field(default_factory=dict)
+    doorways: Doorways = field(default_factory=Doorways)
 
     def __post_init__(self) -> None:
         """Let nobody change the zones from here on."""
@@ -50,7 +55,10 @@ class MetricMap:
         for seen in here_first(sensor_map):
             known = zones.get(seen.label)
             zones[seen.label] = _new(seen, seq) if known is None else _grown(known, seen, seq)
-        return MetricMap(zones)
+        doorways = self.doorways
+        for between in sensor_map.doorways:
+            doorways = doorways.grown(between.source, between.target, between.pieces, seq)
+        return MetricMap(zones, doorways)
 
     def changed_since(self, older: MetricMap) -> list[MappedZone]:
         """Return the zones that differ from those of an older map."""

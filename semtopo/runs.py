@@ -131,7 +131,7 @@ def _spaces(runs: Sequence[_Run]) -> Iterator[tuple[_Run, tuple[Occupancy, Occup
         if run.kind is Kind.SPACE:
             near = _TOWARDS[runs[number - 1].kind] if number else Occupancy.NONE
             far = _TOWARDS[runs[number + 1].kind] if number + 1 < len(runs) else Occupancy.FREE
-            yield run, (near, far), "" if source == run.label else source
+            yield run, (near, far), source
             source = run.label
         elif run.kind is Kind.UNKNOWN:
             source = ""

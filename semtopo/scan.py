@@ -23,7 +23,8 @@ class Intervals:
 
     All arrays have the shape (intervals,). `near` and `far` are distances from the robot in m;
     `near` is 0 where the interval starts at the robot. `source` is the label index of the space
-    from which the beam came through one passage, or directly (R5), else `NOWHERE`.
+    from which the beam came through one passage, or directly (R5), else `NOWHERE`; that space is
+    the interval before, and may have the same label.
     """
 
     beam: Integers
@@ -120,7 +121,7 @@ def _sources(kind: Bytes, label: Integers, opens: Bytes) -> Integers:
     previous = np.concatenate([np.full((*kind.shape[:-1], 1), -1), last[..., :-1]], axis=-1)
     found = np.take_along_axis(kind, np.maximum(previous, 0), axis=-1) == Kind.SPACE
     source = np.take_along_axis(label, np.maximum(previous, 0), axis=-1)
-    linked = (opens > 0) & (previous >= 0) & found & (source != label)
+    linked = (opens > 0) & (previous >= 0) & found
     return np.where(linked, source, NOWHERE)
 
 

@@ -16,6 +16,7 @@ from dataclasses import dataclass
 import numpy as np
 import shapely
 
+from semtopo.doorways import SeenDoorways, seen_doorways
 from semtopo.geometry import (
     NO_AREA,
     Polygons,
@@ -85,13 +86,15 @@ class SensorMap:
     """The zones of one scan M_u, sorted by label, with the position p_r it was taken from.
 
     `here` is the label s_r of the nearest zone, `None` if the scan shows no zone (R8). `links` are
-    the edges that the scan speaks for, by the option `edges` (R15).
+    the edges that the scan speaks for, by the option `edges` (R15), `doorways` the ground that it
+    shows between zones.
     """
 
     position: Point
     zones: tuple[Zone, ...]
     here: str | None
     links: tuple[Link, ...]
+    doorways: tuple[SeenDoorways, ...] = ()
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -114,11 +117,14 @@ def extract(scan: Scan, options: MappingOptions) -> SensorMap:
     here = _nearest(zones, scan.position)
     if here is None:
         return SensorMap(scan.position, (), None, ())
+    known = {zone.label for zone in zones}
     if options.edges is Edges.ADJACENT:
-        links = tuple(_adjacent_links(scan, strips, {zone.label for zone in zones}))
+        links = tuple(_adjacent_links(scan, strips, known))
     else:
         links = tuple(_seen_links(here, scan, strips, zones))
-    return SensorMap(scan.position, zones, here, links)
+    doorways = seen_doorways(scan, strips.left, strips.right, strips.shapes)
+    between = tuple(seen for seen in doorways if {seen.source, seen.target} <= known)
+    return SensorMap(scan.position, zones, here, links, between)
 
 
 def find_strips(scan: Scan) -> Strips:
@@ -234,7 +240,9 @@ def _adjacent_links(scan: Scan, strips: Strips, known: set[str]) -> Iterator[Lin
     """
     spans = scan.intervals
     source, target = spans.source[strips.left], spans.label[strips.left]
-    (entered,) = np.nonzero((source >= 0) & (source == spans.source[strips.right]))
+    (entered,) = np.nonzero(
+        (source >= 0) & (source != target) & (source == spans.source[strips.right])
+    )
     count = len(scan.labels)
     leading = {
         (scan.labels[pair // count], scan.labels[pair % count]): strips.shapes[entered[found]]

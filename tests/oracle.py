@@ -186,14 +186,13 @@ def _why_border(before: Sample, sample: Sample) -> Occupancy:
 
 
 def _source(samples: Sequence[Sample], j: int) -> str:
-    """Return the label before the one passage that ends at sample j, if it is another (R15)."""
+    """Return the label before the one passage that ends at sample j, if any (R15)."""
     back = j - 1
     while back >= 1 and samples[back - 1].kind is Kind.PASSAGE:
         back -= 1
     if back < 1 or samples[back - 1].kind is not Kind.SPACE:
         return ""
-    source = samples[back - 1].label
-    return source if source != samples[j - 1].label else ""
+    return samples[back - 1].label
 
 
 def intervals(samples: Sequence[Sample], radii: Sequence[float]) -> list[Interval]:
@@ -313,7 +312,7 @@ def _entries(pieces: list[Strip], zones: dict[str, Region]) -> list[tuple[Crossi
     """Return each pair that a strip crosses (R15), with the ground that is entered."""
     entries = []
     for pair in sorted({(p.source, p.label) for p in pieces}, key=lambda p: (p[1], p[0])):
-        if pair[0] in zones and pair[1] in zones:
+        if pair[0] != pair[1] and pair[0] in zones and pair[1] in zones:
             entered = [p.polygon for p in pieces if (p.source, p.label) == pair]
             entries.append((pair, areal(unary_union(entered))))
     return entries
@@ -322,7 +321,7 @@ def _entries(pieces: list[Strip], zones: dict[str, Region]) -> list[tuple[Crossi
 def crossings(scan: Scan) -> set[Crossing]:
     """Return every pair of labels that a single beam crosses (R15)."""
     found = {(piece.source, piece.label) for beam in scan.beams for piece in beam}
-    return {pair for pair in found if pair[0]}
+    return {pair for pair in found if pair[0] and pair[0] != pair[1]}
 
 
 def update(state: State, seen: SensorMap, position: Point) -> Step:

@@ -15,8 +15,9 @@ import semtopo
 ROOT = Path(__file__).parents[1]
 
 LAYERS = [
-    {"errors"}, {"types"}, {"geometry", "world"}, {"sensor"}, {"scan"}, {"runs", "zones"},
-    {"metric"}, {"borders", "graph"}, {"mapper"}, {"route"}, {"query"}, {"codec", "documents"},
+    {"errors"}, {"types"}, {"geometry", "world"}, {"sensor"}, {"scan"}, {"doorways", "runs"},
+    {"zones"}, {"metric"}, {"borders", "graph"}, {"mapper"}, {"route"}, {"query"},
+    {"codec", "documents"},
     {"exports", "formats", "render"}, {"semtopo"},
 ]  # fmt: skip
 """The rooms of the library, from the ground up: each may know those below it."""

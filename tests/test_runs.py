@@ -59,7 +59,7 @@ def intervals(beam: Beam) -> list[Interval]:
           Interval("b", 3, 4, PASSAGE, FREE, "", from_robot=False)]),
         ([("a", 1.0), ("door", 2.0), ("a", 3.0), ("door", 3.5), ("b", 4.0)],
          [Interval("a", 0, 1, NONE, PASSAGE, "", from_robot=True),
-          Interval("a", 2, 3, PASSAGE, PASSAGE, "", from_robot=False),
+          Interval("a", 2, 3, PASSAGE, PASSAGE, "a", from_robot=False),
           Interval("b", 3.5, 4, PASSAGE, FREE, "a", from_robot=False)]),
     ],
 )  # fmt: skip
