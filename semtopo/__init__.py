@@ -38,6 +38,7 @@ Readings of the paper, where it is silent or misprinted; each is cited at its li
          strip must lead from the one to the other, since one alone may slip through a wall
 """
 
+from semtopo.atlas import Atlas, LabelRef, Limits, Restriction, ZoneNotes, ZoneRef
 from semtopo.borders import BorderPiece, border_pieces
 from semtopo.codec import graph_body, read_map, zones_body
 from semtopo.documents import (
@@ -50,15 +51,19 @@ from semtopo.documents import (
 )
 from semtopo.doorways import Doorway, Doorways
 from semtopo.errors import (
+    AmbiguousZoneError,
     InvalidInputError,
     InvalidMapError,
     InvalidOptionError,
     InvalidPathError,
     InvalidPoseError,
     InvalidQuestionError,
+    InvalidRestrictionError,
     InvalidScanError,
     InvalidSensorError,
     InvalidWorldError,
+    MissingPassage,
+    NearestFrontier,
     NoRouteError,
     SemtopoError,
     UnknownZoneError,
@@ -66,8 +71,9 @@ from semtopo.errors import (
 from semtopo.graph import Node, NodeFound, Passage, PassageFound, TopologyGraph
 from semtopo.mapper import MapState, Stage, Step, explore, run, scan_world, step
 from semtopo.metric import MappedZone, MetricMap
-from semtopo.query import PathAnswer, answer, find_zone
-from semtopo.route import Route, find_route
+from semtopo.names import closest_names, resolve, resolve_class, resolve_one
+from semtopo.query import PathAnswer, answer
+from semtopo.route import CostModel, Place, Route, RouteRequest, find_routes, widest_place
 from semtopo.runs import LabelledRuns, from_runs
 from semtopo.scan import Scan, analyse
 from semtopo.sensor import Measurement, Sensor, measure
@@ -76,7 +82,10 @@ from semtopo.world import World, WorldZone
 from semtopo.zones import SensorMap, Zone, extract
 
 __all__ = [
+    "AmbiguousZoneError",
+    "Atlas",
     "BorderPiece",
+    "CostModel",
     "Doorway",
     "Doorways",
     "Edges",
@@ -86,17 +95,22 @@ __all__ = [
     "InvalidPathError",
     "InvalidPoseError",
     "InvalidQuestionError",
+    "InvalidRestrictionError",
     "InvalidScanError",
     "InvalidSensorError",
     "InvalidWorldError",
     "Kind",
+    "LabelRef",
     "LabelledRuns",
+    "Limits",
     "MapState",
     "MappedZone",
     "MappingDocument",
     "MappingOptions",
     "Measurement",
     "MetricMap",
+    "MissingPassage",
+    "NearestFrontier",
     "NoRouteError",
     "Node",
     "NodeFound",
@@ -104,10 +118,13 @@ __all__ = [
     "Passage",
     "PassageFound",
     "PathAnswer",
+    "Place",
     "Pose",
     "PoseDocument",
     "RecordedScan",
+    "Restriction",
     "Route",
+    "RouteRequest",
     "Scan",
     "ScanDocument",
     "SemtopoError",
@@ -122,19 +139,25 @@ __all__ = [
     "WorldDocument",
     "WorldZone",
     "Zone",
+    "ZoneNotes",
+    "ZoneRef",
     "analyse",
     "answer",
     "border_pieces",
+    "closest_names",
     "explore",
     "extract",
-    "find_route",
-    "find_zone",
+    "find_routes",
     "from_runs",
     "graph_body",
     "measure",
     "read_map",
+    "resolve",
+    "resolve_class",
+    "resolve_one",
     "run",
     "scan_world",
     "step",
+    "widest_place",
     "zones_body",
 ]

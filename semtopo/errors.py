@@ -9,8 +9,10 @@
     │   ├── InvalidScanError
     │   ├── InvalidOptionError
     │   ├── InvalidMapError
-    │   └── InvalidQuestionError
+    │   ├── InvalidQuestionError
+    │   └── InvalidRestrictionError
     ├── UnknownZoneError: no zone of the map has that name
+    ├── AmbiguousZoneError: a name means several zones where one is asked for
     └── NoRouteError: both zones are known, but no passage leads on
 
 Each leaf has a `code` that never changes: programs may depend on it. The text is for people, and
@@ -19,6 +21,7 @@ never repeats what came in at length.
 
 from __future__ import annotations
 
+from dataclasses import dataclass
 from typing import ClassVar
 
 
@@ -82,13 +85,80 @@ class InvalidQuestionError(InvalidInputError):
     code: ClassVar[str] = "invalid_question"
 
 
+class InvalidRestrictionError(InvalidInputError):
+    """A restriction whose factor is out of range, or the like."""
+
+    code: ClassVar[str] = "invalid_restriction"
+
+
 class UnknownZoneError(SemtopoError):
-    """No zone of the map has that name."""
+    """No zone of the map has that name; `closest` are known names that are like it."""
 
     code: ClassVar[str] = "unknown_zone"
 
+    def __init__(self, message: str, closest: tuple[str, ...] = ()) -> None:
+        """Keep the names that may have been meant, the likest first."""
+        super().__init__(message)
+        self.closest = closest
+
+
+class AmbiguousZoneError(SemtopoError):
+    """A name means several zones where one is asked for: `candidates`, or some of them."""
+
+    code: ClassVar[str] = "ambiguous_zone"
+
+    def __init__(self, message: str, candidates: tuple[str, ...]) -> None:
+        """Keep the zones, or names, that may have been meant."""
+        super().__init__(message)
+        self.candidates = candidates
+
+
+@dataclass(frozen=True, slots=True)
+class MissingPassage:
+    """There is no passage from `source` to `target`, but one back, which step `since` found."""
+
+    source: str
+    target: str
+    since: int
+
+
+@dataclass(frozen=True, slots=True)
+class NearestFrontier:
+    """Where exploring may close a gap: a point in m on the frontier of a zone that can be reached.
+
+    `distance` in m is how far it is from there to a zone `towards` from which a goal can be
+    reached.
+    """
+
+    zone_id: str
+    point: tuple[float, float]
+    towards: str
+    distance: float
+
 
 class NoRouteError(SemtopoError):
-    """Both zones are known, but no sequence of passages leads from the one to the other."""
+    """The zones are known, but no sequence of passages leads from the one to the other.
+
+    `reachable` are the zones that can be reached from the start, `reaching` those from which a goal
+    can be reached, each with the start or the goals themselves, in order of finding. `missing`
+    names a pair of these with a passage only the wrong way, and `frontier` the frontier that is
+    nearest to closing the gap, where there is such a one.
+    """
 
     code: ClassVar[str] = "no_route"
+
+    def __init__(
+        self,
+        message: str,
+        *,
+        reachable: tuple[str, ...] = (),
+        reaching: tuple[str, ...] = (),
+        missing: MissingPassage | None = None,
+        frontier: NearestFrontier | None = None,
+    ) -> None:
+        """Keep what is known about the gap."""
+        super().__init__(message)
+        self.reachable = reachable
+        self.reaching = reaching
+        self.missing = missing
+        self.frontier = frontier

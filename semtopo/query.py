@@ -1,19 +1,19 @@
 """Questions in words, and answers in words (section 1: "by the means of semantic sentences").
 
 In come a map and a sentence; out goes an answer that holds both structure and a sentence. The one
-form known is `path from X to Y`. Names may stand in double quotes; case matters only where two
-zones differ in nothing else.
+form known is `path from X to Y`. Names may stand in double quotes.
 """
 
 from __future__ import annotations
 
 import re
-from collections.abc import Iterable
 from dataclasses import dataclass
+from itertools import pairwise
 
-from semtopo.errors import InvalidQuestionError, UnknownZoneError
-from semtopo.mapper import MapState
-from semtopo.route import Route, find_route
+from semtopo.atlas import Atlas
+from semtopo.errors import InvalidQuestionError
+from semtopo.names import resolve, resolve_one
+from semtopo.route import Place, Route, RouteRequest, find_routes
 
 _NAME = r'(?:"([^"]+)"|(.+?))'
 _PATH = re.compile(
@@ -52,7 +52,7 @@ def parse(text: str) -> PathQuestion:
     return PathQuestion(source.strip(), target.strip())
 
 
-def answer(state: MapState, text: str) -> PathAnswer:
+def answer(atlas: Atlas, text: str) -> PathAnswer:
     """Answer a sentence from a map.
 
     Raises
@@ -61,31 +61,16 @@ def answer(state: MapState, text: str) -> PathAnswer:
         The sentence is none of the known forms.
     UnknownZoneError
         A name in it is that of no zone.
+    AmbiguousZoneError
+        A name in it is that of several zones.
     NoRouteError
         The zones are not connected in that direction.
     """
     question = parse(text)
-    source = find_zone(state.graph.nodes, question.source)
-    target = find_zone(state.graph.nodes, question.target)
-    route = find_route(state.graph, source, target)
+    start = Place(resolve_one(atlas, question.source))
+    goals = tuple(map(Place, resolve(atlas, question.target)))
+    route = find_routes(atlas, RouteRequest(start=start, goals=goals))[0]
     return PathAnswer(route, describe(route))
-
-
-def find_zone(known: Iterable[str], name: str) -> str:
-    """Return the zone that a name means: the same word, or the only one alike but for case.
-
-    Raises
-    ------
-    UnknownZoneError
-        There is no such zone, or several.
-    """
-    zones = list(known)
-    if name in zones:
-        return name
-    alike = [zone for zone in zones if zone.casefold() == name.casefold()]
-    if len(alike) == 1:
-        return alike[0]
-    raise UnknownZoneError("the map has no zone of that name")
 
 
 def describe(route: Route) -> str:
@@ -93,11 +78,9 @@ def describe(route: Route) -> str:
     if not route.passages:
         return f"You are in {route.target} already."
     legs = [
-        f"leave {passage.source} at ({passage.point[0]:.1f}, {passage.point[1]:.1f})"
-        f" into {passage.target}"
-        for passage in route.passages
+        f"leave {zone_id} at ({passage.point[0]:.1f}, {passage.point[1]:.1f}) into {entered}"
+        for passage, (zone_id, entered) in zip(route.passages, pairwise(route.zones), strict=True)
     ]
-    count = len(legs)
-    extent = "1 passage" if count == 1 else f"{count} passages, {route.length:.1f} m between them"
+    passages = "1 passage" if len(legs) == 1 else f"{len(legs)} passages"
     words = ", then ".join(legs)
-    return f"{words[0].upper()}{words[1:]}: {extent}."
+    return f"{words[0].upper()}{words[1:]}: {route.length:.1f} m, {passages}."

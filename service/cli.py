@@ -18,6 +18,7 @@ import typer
 from pydantic import ValidationError
 
 from semtopo import codec
+from semtopo.atlas import Atlas
 from semtopo.documents import SensorDocument
 from semtopo.errors import InvalidOptionError, SemtopoError
 from semtopo.formats.fault import describe_fault
@@ -162,7 +163,7 @@ def route(
     json: Annotated[bool, typer.Option("--json", help="Answer as JSON.")] = False,
 ) -> None:
     """Answer a question about the way from zone to zone."""
-    found = answer(read_map(directory), question)
+    found = answer(Atlas(read_map(directory)), question)
     typer.echo(codec.to_json(codec.answer_document(found)).decode() if json else found.sentence)
 
 

@@ -7,7 +7,18 @@ from collections.abc import Callable
 from dataclasses import dataclass
 from functools import partial
 
-from semtopo import MapState, PathAnswer, Route, answer, find_route, find_zone
+from semtopo import (
+    Atlas,
+    MapState,
+    PathAnswer,
+    Place,
+    Route,
+    RouteRequest,
+    answer,
+    find_routes,
+    resolve,
+    resolve_one,
+)
 from semtopo.codec import graph_body
 from service.errors import UnknownStepError
 from service.history import state_at
@@ -58,14 +69,17 @@ class Maps:
 
     async def route(self, session_id: str, source: str, target: str) -> Route:
         """Return the route between two zones, by their names."""
-        graph = (await self._sessions.find(session_id)).state.graph
-        ends = (find_zone(graph.nodes, source), find_zone(graph.nodes, target))
-        return await asyncio.to_thread(find_route, graph, *ends)
+        atlas = Atlas((await self._sessions.find(session_id)).state)
+        request = RouteRequest(
+            start=Place(resolve_one(atlas, source)),
+            goals=tuple(map(Place, resolve(atlas, target))),
+        )
+        return (await asyncio.to_thread(find_routes, atlas, request))[0]
 
     async def answer(self, session_id: str, text: str) -> PathAnswer:
         """Return the answer to a sentence."""
         hot = await self._sessions.find(session_id)
-        return await asyncio.to_thread(answer, hot.state, text)
+        return await asyncio.to_thread(answer, Atlas(hot.state), text)
 
     async def state(self, hot: HotSession, at: int | None) -> MapState:
         """Return the map of a session: now, or as of step `at`; raises UnknownStepError."""

@@ -17,6 +17,7 @@ from starlette.exceptions import HTTPException
 from starlette.routing import Match
 
 from semtopo.errors import (
+    AmbiguousZoneError,
     InvalidInputError,
     InvalidMapError,
     NoRouteError,
@@ -46,6 +47,7 @@ STATUS: dict[type[SemtopoError], int] = {
     UnknownZoneError: 404,
     UnauthorizedError: 401,
     UnknownKeyError: 404,
+    AmbiguousZoneError: 409,
     NoRouteError: 409,
     NoWorldError: 409,
     MapFullError: 409,

@@ -16,7 +16,8 @@ ROOT = Path(__file__).parents[1]
 
 LAYERS = [
     {"errors"}, {"types"}, {"geometry", "world"}, {"sensor"}, {"scan"}, {"doorways", "runs"},
-    {"zones"}, {"metric"}, {"borders", "graph"}, {"mapper"}, {"route"}, {"query"},
+    {"zones"}, {"metric"}, {"borders", "graph"}, {"mapper"}, {"atlas"},
+    {"names", "route"}, {"query"},
     {"codec", "documents"},
     {"exports", "formats", "render"}, {"semtopo"},
 ]  # fmt: skip
@@ -24,7 +25,8 @@ LAYERS = [
 
 PURE = {
     "__future__", "collections", "colorsys", "csv", "dataclasses", "enum", "functools", "gzip",
-    "io", "itertools", "math", "re", "types", "typing", "xml.sax.saxutils", "zlib",
+    "heapq", "io", "itertools", "math", "re", "types", "typing", "unicodedata", "xml.sax.saxutils",
+    "zlib",
     "networkx", "numpy", "orjson", "pydantic", "shapely",
 }  # fmt: skip
 """What the library may import: nothing that reads files, clocks, chance or the network."""

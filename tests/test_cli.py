@@ -148,7 +148,7 @@ class TestRoute:
         done = semtopo("route", mapped[0], "path from corridor to C")
         assert (done.returncode, done.stderr) == (0, "")
         assert re.fullmatch(
-            r"Leave corridor at \(8\.\d, 4\.\d\) into C: 1 passage\.\n", done.stdout
+            r"Leave corridor at \(8\.\d, 4\.\d\) into C: \d+\.\d m, 1 passage\.\n", done.stdout
         )
 
     def test_json(self, mapped: tuple[Path, Done]) -> None:

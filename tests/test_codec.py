@@ -13,6 +13,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 from hypothesis.extra import numpy as arrays
 
+from semtopo.atlas import Atlas
 from semtopo.codec import (
     answer_document,
     border_bytes,
@@ -180,7 +181,7 @@ def test_steps_tell_what_they_found() -> None:
 
 
 def test_routes_and_answers() -> None:
-    found = answer(row_of_rooms()[-1].state, "path from a to b")
+    found = answer(Atlas(row_of_rooms()[-1].state), "path from a to b")
     document = json.loads(to_json(answer_document(found)))
     assert document["kind"] == "path"
     assert document["route"] == json.loads(to_json(route_document(found.route)))
