@@ -7,14 +7,14 @@ out goes a `Scan`. This room knows nothing of worlds: a real robot has none.
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
 
 from semtopo.errors import InvalidScanError
-from semtopo.scan import Intervals, Scan
-from semtopo.types import NOWHERE, Floats, Kind, Occupancy, Pose
+from semtopo.scan import Runs, Scan, beam_rule
+from semtopo.types import Floats, Kind, Pose
 
 
 @dataclass(frozen=True, slots=True)
@@ -81,7 +81,7 @@ class LabelledRuns:
         return np.stack([np.cos(bearing), np.sin(bearing)], axis=-1)
 
     def runs(self, beam: int) -> list[_Run]:
-        """Return the runs of one beam up to its end, neighbours of one label joined.
+        """Return the runs of one beam up to its end, neighbours that are alike joined.
 
         The end is a run of kind OBSTACLE: the first that was reported (R2), or one of no length
         where the beam stopped short of `range_max`.
@@ -90,7 +90,8 @@ class LabelledRuns:
         near = 0.0
         for label, far in self.beams[beam]:
             kind = self.kinds.get(label, Kind.SPACE)
-            if runs and (runs[-1].label, runs[-1].kind) == (label, kind):
+            alike = runs and runs[-1].kind is kind
+            if alike and (kind is not Kind.SPACE or runs[-1].label == label):
                 runs[-1] = replace(runs[-1], far=far)
             else:
                 runs.append(_Run(label, kind, near, far))
@@ -106,44 +107,20 @@ def from_runs(pose: Pose, seen: LabelledRuns) -> Scan:
     """Turn the labelled runs of a real sensor into a scan: the points lie at the radii given."""
     numbers: dict[str, int] = {}
     rows = [
-        (beam, numbers.setdefault(run.label, len(numbers)), run.near, run.far, *why, source)
+        (beam, run.kind, numbers.setdefault(run.label, len(numbers)), run.near, run.far)
         for beam in range(len(seen.beams))
-        for run, why, source in _spaces(seen.runs(beam))
+        for run in seen.runs(beam)
     ]
-    # a source is the label of an interval further in on the same beam, so it has its number
-    columns = list(zip(*rows, strict=True)) or [()] * 7
-    intervals = Intervals(
+    columns = list(zip(*rows, strict=True)) or [()] * 5
+    runs = Runs(
         beam=np.array(columns[0], dtype=np.intp),
-        label=np.array(columns[1], dtype=np.intp),
-        near=np.array(columns[2], dtype=np.float64),
-        far=np.array(columns[3], dtype=np.float64),
-        near_occupancy=np.array(columns[4], dtype=np.uint8),
-        far_occupancy=np.array(columns[5], dtype=np.uint8),
-        source=np.array([numbers.get(name, NOWHERE) for name in columns[6]], dtype=np.intp),
+        kind=np.array(columns[1], dtype=np.uint8),
+        label=np.array(columns[2], dtype=np.intp),
+        first=np.array(columns[3], dtype=np.float64),
+        last=np.array(columns[4], dtype=np.float64),
     )
-    return Scan(pose.position, seen.directions(pose.theta), seen.ring, tuple(numbers), intervals)
-
-
-def _spaces(runs: Sequence[_Run]) -> Iterator[tuple[_Run, tuple[Occupancy, Occupancy], str]]:
-    """Yield the runs that are spaces, with the occupancy of both ends and the source (R15)."""
-    source = ""
-    for number, run in enumerate(runs):
-        if run.kind is Kind.SPACE:
-            near = _TOWARDS[runs[number - 1].kind] if number else Occupancy.NONE
-            far = _TOWARDS[runs[number + 1].kind] if number + 1 < len(runs) else Occupancy.FREE
-            yield run, (near, far), source
-            source = run.label
-        elif run.kind is Kind.UNKNOWN:
-            source = ""
-
-
-_TOWARDS = {
-    Kind.SPACE: Occupancy.PASSAGE,  # R5
-    Kind.PASSAGE: Occupancy.PASSAGE,
-    Kind.OBSTACLE: Occupancy.OBSTACLE,
-    Kind.UNKNOWN: Occupancy.FREE,  # R13
-}
-"""The occupancy of a point where a space ends, by the kind of what lies beyond."""
+    directions = seen.directions(pose.theta)
+    return Scan(pose.position, directions, seen.ring, tuple(numbers), beam_rule(runs))
 
 
 def _check_radii(beam: int, radii: Sequence[float], range_max: float) -> None:

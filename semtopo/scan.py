@@ -69,82 +69,92 @@ class Scan:
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class Kept:
-    """What the beam rule keeps, per sample, (..., samples).
+class Runs:
+    """Stretches of beams on one surface each, sorted by beam and then outwards; (runs,) each.
 
-    `opens` and `closes` are occupancies: that of a sample which begins or ends an interval of its
-    label, NONE elsewhere. `source` is, where an interval opens, the label of the space before the
-    one passage through which the beam came, `NOWHERE` if there is none.
+    `first` and `last` are the distances in m of where the stretch was met first and last. `label`
+    is that of a space. Two neighbours on a beam differ: in kind, or as spaces in label.
     """
 
-    opens: Bytes
-    closes: Bytes
-    source: Integers
+    beam: Integers
+    kind: Bytes
+    label: Integers
+    first: Floats
+    last: Floats
 
 
-def beam_rule(kind: Bytes, label: Integers) -> Kept:
-    """Return which samples of beams are kept, and why (Alg. 2, l. 8-32).
+def beam_rule(runs: Runs) -> Intervals:
+    """Return the intervals of beams, and why they begin and end (Alg. 2, l. 8-32; R6).
 
-    Both arrays have the shape (..., samples), samples outwards. The rules stand in the paper's
-    order: the sample before an obstacle, if it is a space (R3), and nothing from there on (R2);
-    both sides of a passage; both sides of a change of label (R5) or towards unknown (R13); the
-    last sample.
+    The rules stand in the paper's order: nothing from the first obstacle on (R2), and a passage
+    before it counts for nothing (R3); both sides of a passage; both sides of a change of label (R5)
+    or towards unknown (R13); the last sample.
     """
-    space = (kind == Kind.SPACE) & ~np.logical_or.accumulate(kind == Kind.OBSTACLE, axis=-1)
-    before, after = kind[..., :-1], kind[..., 1:]
-    relabelled = (
-        (before == Kind.SPACE) & (after == Kind.SPACE) & (label[..., :-1] != label[..., 1:])
-    )
-
-    closes = np.zeros(kind.shape, dtype=np.uint8)
-    closes[..., :-1][after == Kind.OBSTACLE] = Occupancy.OBSTACLE  # Alg. 2, l. 11-15
-    closes[..., :-1][after == Kind.PASSAGE] = Occupancy.PASSAGE  # Alg. 2, l. 17-19
-    closes[..., :-1][after == Kind.UNKNOWN] = Occupancy.FREE  # R13
-    closes[..., :-1][relabelled] = Occupancy.PASSAGE  # R5
-    closes[..., -1] = Occupancy.FREE  # Alg. 2, l. 25-29
-    closes[~space] = Occupancy.NONE
-
-    opens = np.zeros(kind.shape, dtype=np.uint8)
-    opens[..., 1:][before == Kind.PASSAGE] = Occupancy.PASSAGE  # Alg. 2, l. 20-23
-    opens[..., 1:][before == Kind.UNKNOWN] = Occupancy.FREE  # R13
-    opens[..., 1:][relabelled] = Occupancy.PASSAGE  # R5
-    opens[~space] = Occupancy.NONE
-    closes[..., -1][opens[..., -1] > 0] = Occupancy.NONE  # l. 25 comes after l. 16, and R5
-    return Kept(opens, closes, _sources(kind, label, opens))
+    starts = np.ones(len(runs.beam) + 1, dtype=np.bool_)  # where a beam begins, or the last ended
+    np.not_equal(runs.beam[1:], runs.beam[:-1], out=starts[1:-1])
+    chosen = np.flatnonzero((runs.kind == Kind.SPACE) & ~_blocked(runs.kind, starts[:-1]))
+    before, enters, leaves = chosen - 1, ~starts[chosen], ~starts[chosen + 1]
+    near, far, label = runs.first[chosen] * enters, runs.last[chosen], runs.label[chosen]
+    near_occupancy = _TOWARDS[runs.kind[before]] * enters
+    far_occupancy = _TOWARDS[runs.kind.take(chosen + 1, mode="clip")]
+    far_occupancy[~leaves] = Occupancy.FREE  # Alg. 2, l. 25-29
+    far_occupancy[~leaves & (near == far)] = Occupancy.NONE  # l. 25 comes after l. 16, and R5
+    return Intervals(
+        runs.beam[chosen], label, near, far, near_occupancy, far_occupancy,
+        np.where(enters, _sources(runs, starts, before), NOWHERE),
+    )  # fmt: skip
 
 
-def _sources(kind: Bytes, label: Integers, opens: Bytes) -> Integers:
-    """Return, where an interval opens, the label before the one passage (R15), else `NOWHERE`."""
-    samples = np.broadcast_to(np.arange(kind.shape[-1]), kind.shape)
-    last = np.maximum.accumulate(np.where(kind == Kind.PASSAGE, -1, samples), axis=-1)
-    # the last sample up to the one before that is no passage; -1 if there is none
-    previous = np.concatenate([np.full((*kind.shape[:-1], 1), -1), last[..., :-1]], axis=-1)
-    found = np.take_along_axis(kind, np.maximum(previous, 0), axis=-1) == Kind.SPACE
-    source = np.take_along_axis(label, np.maximum(previous, 0), axis=-1)
-    linked = (opens > 0) & (previous >= 0) & found
-    return np.where(linked, source, NOWHERE)
+_TOWARDS = np.empty(len(Kind), dtype=np.uint8)
+"""The occupancy of a point where a space ends, by the kind of what lies beyond."""
+_TOWARDS[Kind.SPACE] = Occupancy.PASSAGE  # R5
+_TOWARDS[Kind.PASSAGE] = Occupancy.PASSAGE  # Alg. 2, l. 17-23
+_TOWARDS[Kind.OBSTACLE] = Occupancy.OBSTACLE  # Alg. 2, l. 11-15
+_TOWARDS[Kind.UNKNOWN] = Occupancy.FREE  # R13
+
+
+def _blocked(kind: Bytes, starts: Flags) -> Flags:
+    """Say of each run whether it is, or lies behind, the first obstacle of its beam (R2)."""
+    obstacle = kind == Kind.OBSTACLE
+    met = np.cumsum(obstacle)
+    first = np.flatnonzero(starts)
+    before = np.repeat(met[first] - obstacle[first], np.diff(first, append=len(kind)))
+    return met > before
+
+
+def _sources(runs: Runs, starts: Flags, before: Integers) -> Integers:
+    """Return the label of the space before the one passage before each interval (R15).
+
+    `before` is the run before the interval; so is the space where two touch (R5).
+    """
+    through = (runs.kind[before] == Kind.PASSAGE) & ~starts[before]
+    source = before - through
+    return np.where(runs.kind[source] == Kind.SPACE, runs.label[source], NOWHERE)
 
 
 def analyse(measurement: Measurement) -> Scan:
     """Reduce a measurement to its characteristic points (Alg. 2, l. 8-34)."""
-    kind, label, sensor = measurement.kind, measurement.label, measurement.sensor
-    kept = beam_rule(kind, label)
-    begins, ends = kept.opens > 0, kept.closes > 0
-    begins[:, 0] = kind[:, 0] == Kind.SPACE  # R6: the first interval starts at the robot
-    ends[:, -1] |= begins[:, -1]  # R6: "or at its own start, if none follows"
-    # intervals alternate begin, end along each beam, so the two lists match one to one
-    beam, first = np.nonzero(begins)
-    _, last = np.nonzero(ends)
-    intervals = Intervals(
-        beam=beam,
-        label=label[beam, first],
-        near=np.where(first == 0, 0.0, sensor.radii[first]),
-        far=sensor.radii[last],
-        near_occupancy=kept.opens[beam, first],
-        far_occupancy=kept.closes[beam, last],
-        source=kept.source[beam, first],
-    )
+    sensor, surfaces = measurement.sensor, measurement.surfaces
     return Scan(
-        measurement.position, sensor.directions, ring=True, labels=measurement.labels,
-        intervals=intervals,
+        measurement.position, sensor.directions, ring=True, labels=surfaces.labels,
+        intervals=beam_rule(_sampled_runs(measurement)),
     )  # fmt: skip
+
+
+def _sampled_runs(measurement: Measurement) -> Runs:
+    """Return the runs of samples: from the first sample of each to its last."""
+    sensor, surfaces = measurement.sensor, measurement.surfaces
+    surface = measurement.surface.ravel()
+    changed = np.ones(len(surface), dtype=np.bool_)
+    np.not_equal(surface[1:], surface[:-1], out=changed[1:])
+    changed[:: sensor.samples] = True
+    first = np.flatnonzero(changed)
+    beam, sample = np.divmod(first, sensor.samples)
+    kind = surfaces.kind[surface[first]]
+    alike = np.zeros(len(first), dtype=np.bool_)
+    np.equal(kind[1:], kind[:-1], out=alike[1:])
+    differs = (sample == 0) | ~alike | (kind == Kind.SPACE)
+    first, beam, sample, kind = first[differs], beam[differs], sample[differs], kind[differs]
+    last = np.append(first[1:], len(surface)) - 1 - beam * sensor.samples
+    label = surfaces.label[surface[first]]
+    return Runs(beam, kind, label, sensor.radii[sample], sensor.radii[last])

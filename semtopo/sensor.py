@@ -13,7 +13,8 @@ import numpy as np
 
 from semtopo.errors import InvalidPoseError, InvalidSensorError
 from semtopo.types import Bytes, Floats, Integers, Point
-from semtopo.world import World
+from semtopo.window import Offsets
+from semtopo.world import Surfaces, World
 
 
 @dataclass(frozen=True)
@@ -21,7 +22,8 @@ class Sensor:
     """A ring of evenly spaced beams U_s = (u_sD, u_sR, u_sQ), each sampled at equal distances.
 
     `range` is in m. `directions` (beams, 2) are unit vectors, beam 0 along +y and the others
-    clockwise from it (R1); `radii` (samples,) are the distances of the samples in m.
+    clockwise from it (R1); `radii` (samples,) are the distances of the samples in m, and
+    `offsets` say where all of them lie from the robot, beam by beam.
 
     Raises
     ------
@@ -34,6 +36,7 @@ class Sensor:
     samples: int = 20
     directions: Floats = field(init=False, repr=False, compare=False)
     radii: Floats = field(init=False, repr=False, compare=False)
+    offsets: Offsets = field(init=False, repr=False, compare=False)
 
     def __post_init__(self) -> None:
         """Refuse what cannot measure, and lay the beams out once."""
@@ -47,20 +50,40 @@ class Sensor:
         directions = np.stack([np.sin(bearing), np.cos(bearing)], axis=-1)
         radii = np.arange(1, self.samples + 1) * self.range / self.samples
         object.__setattr__(self, "directions", directions)
+        x, y = (radii * directions[:, None, axis] for axis in (0, 1))
         object.__setattr__(self, "radii", radii)
+        object.__setattr__(self, "offsets", Offsets.of(x.ravel(), y.ravel(), self.range))
 
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Measurement:
-    """What each sample met (U_xy): `label` (index into `labels`) and `kind`, (beams, samples)."""
+    """What each sample met (U_xy): `surface` (beams, samples), an index into the `surfaces`."""
 
     sensor: Sensor
     position: Point
-    labels: tuple[str, ...]
-    label: Integers
-    kind: Bytes
-    xy: Floats
-    """Where the samples are, (beams, samples, 2), in m, map frame."""
+    surfaces: Surfaces
+    surface: Integers
+
+    @property
+    def labels(self) -> tuple[str, ...]:
+        """What the label indices stand for."""
+        return self.surfaces.labels
+
+    @property
+    def label(self) -> Integers:
+        """The label index of each sample, (beams, samples)."""
+        return self.surfaces.label[self.surface]
+
+    @property
+    def kind(self) -> Bytes:
+        """The kind of each sample, (beams, samples)."""
+        return self.surfaces.kind[self.surface]
+
+    @property
+    def xy(self) -> Floats:
+        """Where the samples are, (beams, samples, 2), in m, map frame."""
+        offsets = np.stack([self.sensor.offsets.x, self.sensor.offsets.y], axis=-1)
+        return np.asarray(self.position) + offsets.reshape(*self.surface.shape, 2)
 
 
 def measure(world: World, sensor: Sensor, position: Point) -> Measurement:
@@ -75,7 +98,7 @@ def measure(world: World, sensor: Sensor, position: Point) -> Measurement:
     """
     if not all(map(math.isfinite, position)):
         raise InvalidPoseError("a position needs finite x and y")
-    reach = sensor.radii[None, :, None] * sensor.directions[:, None, :]
-    xy = np.asarray(position) + reach  # Alg. 2, l. 5
-    label, kind = world.read(xy)
-    return Measurement(sensor, position, world.labels, label, kind, xy)
+    surface = world.read_around(position, sensor.offsets)  # Alg. 2, l. 5-6
+    return Measurement(
+        sensor, position, world.surfaces, surface.reshape(sensor.beams, sensor.samples)
+    )

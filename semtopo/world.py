@@ -15,11 +15,16 @@ import shapely
 
 from semtopo.errors import InvalidWorldError
 from semtopo.types import NOWHERE, Bytes, Floats, Integers, Kind, Point
+from semtopo.window import SIDE, Offsets, Window
 
 FEW_ZONES = 16
 FEW_PAIRS = 2**16
 """Up to so many zones, or pairs of a point and a zone, each is looked at; above, it would take too
 long."""
+
+
+WINDOWS_MAX = 64
+"""Windows kept at a time: 8 MiB at the very most, a hundredth of that indoors."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -47,6 +52,18 @@ class WorldZone:
             raise InvalidWorldError("low must be below high in x and in y")
 
 
+@dataclass(frozen=True, slots=True, eq=False)
+class Surfaces:
+    """What can be on top: pairs of `label` (index into `labels`) and `kind`, (surfaces,) each.
+
+    The last surface is what lies outside all zones: `NOWHERE` and OBSTACLE.
+    """
+
+    labels: tuple[str, ...]
+    label: Integers
+    kind: Bytes
+
+
 class World:
     """The world map M_w: rectangles in painter's order, the later one on top (R4).
 
@@ -62,15 +79,30 @@ class World:
             raise InvalidWorldError("a world needs at least one zone")
         self.name = name
         self.zones = tuple(zones)
-        self.labels = tuple(dict.fromkeys(zone.label for zone in self.zones))
-        numbers = {label: number for number, label in enumerate(self.labels)}
+        labels = tuple(dict.fromkeys(zone.label for zone in self.zones))
+        numbers = {label: number for number, label in enumerate(labels)}
+        pairs = dict.fromkeys((numbers[zone.label], zone.kind) for zone in self.zones)
+        found = {pair: number for number, pair in enumerate(pairs)}
+        self.surfaces = Surfaces(
+            labels,
+            np.array([*(label for label, _ in pairs), NOWHERE], dtype=np.intp),
+            np.array([*(kind for _, kind in pairs), Kind.OBSTACLE], dtype=np.uint8),
+        )
         # one entry more than there are zones: index -1 reads "no zone here"
-        self._label = np.array([*(numbers[z.label] for z in self.zones), NOWHERE], dtype=np.intp)
-        self._kind = np.array([*(z.kind for z in self.zones), Kind.OBSTACLE], dtype=np.uint8)
+        self._surface = np.array(
+            [*(found[numbers[zone.label], zone.kind] for zone in self.zones), len(pairs)],
+            dtype=np.intp,
+        )
         self._low = np.array([zone.low for zone in self.zones], dtype=np.float64)
         self._high = np.array([zone.high for zone in self.zones], dtype=np.float64)
         boxes = np.asarray(shapely.box(*self._low.T, *self._high.T), dtype=np.object_)
         self._tree = shapely.STRtree(boxes)
+        self._windows: dict[tuple[int, int, float], Window] = {}
+
+    @property
+    def labels(self) -> tuple[str, ...]:
+        """What the label indices stand for."""
+        return self.surfaces.labels
 
     def read(self, xy: Floats) -> tuple[Integers, Bytes]:
         """Return label index and kind at each point (ReadMap, R4).
@@ -78,9 +110,44 @@ class World:
         Points have the shape (..., 2), the answers the shape (...). On a common edge the later
         zone wins; outside all zones the label index is `NOWHERE` and the kind OBSTACLE.
         """
-        points = xy.reshape(-1, 2)
-        top = self._topmost(points, self._zones_near(points)).reshape(xy.shape[:-1])
-        return self._label[top], self._kind[top]
+        surface = self._read(xy.reshape(-1, 2)).reshape(xy.shape[:-1])
+        return self.surfaces.label[surface], self.surfaces.kind[surface]
+
+    def read_around(self, centre: Point, offsets: Offsets) -> Integers:
+        """Return the surface at each of the places (n,) around a centre (ReadMap, R4).
+
+        What lies around is laid out once, and then serves from every centre near by; so the cost
+        does not grow with the world.
+        """
+        window = self.window(centre, offsets.reach)
+        if window is None:
+            x, y = centre[0] + offsets.x, centre[1] + offsets.y
+            return self._read(np.stack([x, y], axis=-1))
+        return window.read(centre, offsets)
+
+    def window(self, centre: Point, reach: float) -> Window | None:
+        """Return the window in whose middle third a centre lies; `None` if it would be too large.
+
+        Windows are kept, up to a number; threads that want the same one at the same time may each
+        lay it out.
+        """
+        key = (math.floor(centre[0] / reach), math.floor(centre[1] / reach), reach)
+        window = self._windows.get(key)
+        if window is None:
+            window = self._laid(((key[0] - 1) * reach, (key[1] - 1) * reach), reach)
+            if window is not None:
+                self._windows = dict([*self._windows.items(), (key, window)][-WINDOWS_MAX:])
+        return window
+
+    def _laid(self, corner: Point, reach: float) -> Window | None:
+        """Lay out the window that begins at a corner."""
+        numbers = self._zones_near(np.array([corner, np.add(corner, SIDE * reach)]))
+        surface = self._surface[np.append(numbers, -1)]
+        return Window.laid(self._low[numbers], self._high[numbers], surface, corner, reach)
+
+    def _read(self, points: Floats) -> Integers:
+        """Return the surface at each of the points (n, 2)."""
+        return self._surface[self._topmost(points, self._zones_near(points))]
 
     def _zones_near(self, points: Floats) -> Integers:
         """Return the numbers of the zones whose rectangle meets that of the points, ascending."""

@@ -15,7 +15,8 @@ import semtopo
 ROOT = Path(__file__).parents[1]
 
 LAYERS = [
-    {"errors"}, {"types"}, {"geometry", "world"}, {"sensor"}, {"scan"}, {"doorways", "runs"},
+    {"errors"}, {"types"}, {"geometry", "window"}, {"world"}, {"sensor"}, {"scan"},
+    {"doorways", "runs"},
     {"zones"}, {"metric"}, {"borders", "graph"}, {"mapper"}, {"atlas"},
     {"names", "route"}, {"query"},
     {"codec", "documents"},

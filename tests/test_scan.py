@@ -9,8 +9,10 @@ import pytest
 from hypothesis import given
 
 from semtopo.mapper import scan_world
-from semtopo.scan import Scan, beam_rule
+from semtopo.scan import Scan, analyse
+from semtopo.sensor import Measurement, Sensor
 from semtopo.types import NOWHERE, Kind, Occupancy
+from semtopo.world import Surfaces
 from tests import oracle
 from tests.oracle import Interval, Sample
 from tests.strategies import Scene, quick, scenes
@@ -25,27 +27,23 @@ ALPHABET = (
 )
 
 
-def by_rule(words: list[tuple[Sample, ...]]) -> list[list[tuple[int, int, int]]]:
-    """Return opens, closes and source of each sample, from one call of the library."""
-    kind = np.array([[s.kind for s in word] for word in words], dtype=np.uint8)
-    label = np.array([[LABELS.index(s.label) for s in word] for word in words], dtype=np.intp)
-    kept = beam_rule(kind, label)
-    rows = np.stack([kept.opens, kept.closes, kept.source], axis=-1).tolist()
-    return [[(o, c, s) for o, c, s in row] for row in rows]
+SURFACES = Surfaces(
+    LABELS,
+    np.arange(len(LABELS), dtype=np.intp),
+    np.array([sample.kind for sample in ALPHABET], dtype=np.uint8),
+)
 
 
-def by_oracle(word: tuple[Sample, ...]) -> list[tuple[int, int, int]]:
+def by_rule(words: list[tuple[Sample, ...]]) -> list[list[Interval]]:
+    """Return the intervals of each word, from one call of the library: each word is a beam."""
+    sensor = Sensor(beams=len(words), range=float(len(words[0])), samples=len(words[0]))
+    surface = np.array([[ALPHABET.index(sample) for sample in word] for word in words])
+    return spelled(analyse(Measurement(sensor, (0.0, 0.0), SURFACES, surface)))
+
+
+def by_oracle(word: tuple[Sample, ...]) -> list[Interval]:
     """Return the same from the literal algorithm."""
-    row = [(0, 0, NOWHERE)] * len(word)
-    for point in oracle.kept_points(word):
-        opens, closes, source = row[point.number - 1]
-        if point.opens:
-            opens = point.occupancy
-            source = LABELS.index(point.source) if point.source else NOWHERE
-        else:
-            closes = point.occupancy
-        row[point.number - 1] = (opens, closes, source)
-    return row
+    return oracle.intervals(word, [float(number) for number in range(1, len(word) + 1)])
 
 
 @pytest.mark.parametrize("length", range(2, 8))
@@ -70,12 +68,10 @@ def test_what_is_kept_is_a_space_before_the_first_obstacle() -> None:
     for word, row in zip(words, by_rule(words), strict=True):
         kinds = [sample.kind for sample in word]
         free = kinds.index(Kind.OBSTACLE) if Kind.OBSTACLE in kinds else len(kinds)
-        kept = [number for number, (opens, closes, _) in enumerate(row) if opens or closes]
-        assert all(number < free and kinds[number] is Kind.SPACE for number in kept)
-        stops = [
-            number for number, (_, closes, _) in enumerate(row) if closes == Occupancy.OBSTACLE
-        ]
-        assert stops in ([], [free - 1])
+        kept = [round(radius) for piece in row for radius in (piece.near, piece.far) if radius]
+        assert all(number <= free and kinds[number - 1] is Kind.SPACE for number in kept)
+        stops = [piece.far for piece in row if piece.far_occupancy is Occupancy.OBSTACLE]
+        assert stops in ([], [free])
 
 
 def spelled(scan: Scan) -> list[list[Interval]]:
