@@ -41,7 +41,7 @@ def zones_body(state: MapState, box: Box | None = None) -> bytes:
     if box is not None:
         window = shapely.box(*box)
         zones = [zone for zone in zones if zone.region.intersects(window)]
-    features = [_feature(zone) for zone in zones]
+    features = [zone_feature(zone) for zone in zones]
     return to_json({"type": "FeatureCollection", "seq": state.seq, "features": features})
 
 
@@ -133,13 +133,13 @@ def border_from(stored: bytes) -> Border:
     return Border(xy, np.frombuffer(stored, dtype=np.uint8, offset=16 * count))
 
 
-def _feature(zone: MappedZone) -> Document:
-    """Return one zone as a GeoJSON feature; outer rings counter-clockwise (RFC 7946, 3.1.6)."""
-    region: Region = shapely.orient_polygons(zone.region)
+def zone_feature(zone: MappedZone) -> Document:
+    """Return one zone as a GeoJSON feature."""
+    region: Region = shapely.orient_polygons(zone.region)  # as it is read back: area is a sum
     return {
         "type": "Feature",
         "id": zone.zone_id,
-        "geometry": _geometry(region),
+        "geometry": region_document(region),
         "properties": {
             "label": zone.label,
             "area": region.area,
@@ -149,11 +149,12 @@ def _feature(zone: MappedZone) -> Document:
     }
 
 
-def _geometry(region: Region) -> Document:
-    """Return a region as a GeoJSON geometry."""
-    if isinstance(region, Polygon):
-        return {"type": "Polygon", "coordinates": _rings(region)}
-    return {"type": "MultiPolygon", "coordinates": [_rings(part) for part in region.geoms]}
+def region_document(region: Region) -> Document:
+    """Return a region as a GeoJSON geometry; outer rings counter-clockwise (RFC 7946, 3.1.6)."""
+    turned: Region = shapely.orient_polygons(region)
+    if isinstance(turned, Polygon):
+        return {"type": "Polygon", "coordinates": _rings(turned)}
+    return {"type": "MultiPolygon", "coordinates": [_rings(part) for part in turned.geoms]}
 
 
 def _rings(polygon: Polygon) -> list[Any]:

@@ -19,6 +19,7 @@ from semtopo.errors import InvalidInputError
 from semtopo.formats import count_scans, read_path, read_recording, read_world
 from semtopo.mapper import MapState, Stage, Step, scan_world, step
 from semtopo.render import render
+from semtopo.render.drawing import Drawing, thinned_trail
 from semtopo.runs import LabelledRuns, from_runs
 from semtopo.scan import Scan
 from semtopo.sensor import Sensor
@@ -108,7 +109,9 @@ def write_map(steps: Iterable[TimedStep], directory: Path) -> MapState:
         (folder / ZONES).write_bytes(codec.zones_body(state))
         (folder / GRAPH).write_bytes(codec.graph_body(state.graph, state.seq))
         (folder / STEPS).write_bytes(b"".join(lines))
-        (folder / PICTURE).write_text(render(state, path=path), encoding="utf-8")
+        (folder / PICTURE).write_text(
+            render(state, Drawing(trail=thinned_trail(path))), encoding="utf-8"
+        )
     return state
 
 

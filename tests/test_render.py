@@ -14,6 +14,7 @@ import pytest
 import shapely
 from hypothesis import given, settings
 from hypothesis import strategies as st
+from shapely.geometry.base import BaseGeometry
 
 from semtopo.formats import read_path, read_world
 from semtopo.geometry import Region
@@ -21,8 +22,9 @@ from semtopo.graph import Node, Passage, TopologyGraph
 from semtopo.mapper import MapState, explore
 from semtopo.metric import MappedZone, MetricMap
 from semtopo.render import render
+from semtopo.render.drawing import Drawing
 from semtopo.render.frame import frame_around, round_length
-from semtopo.render.labels import Label, place_labels
+from semtopo.render.labels import Label, NamedRegion, place_labels
 from semtopo.render.layout import Nodes, lay_out
 from semtopo.render.palette import OCCUPANCY, shade
 from semtopo.sensor import Sensor
@@ -70,7 +72,7 @@ def paper(path: list[Point]) -> MapState:
 
 class TestPaper:
     def test_names_every_zone_on_both_sides(self, paper: MapState, path: list[Point]) -> None:
-        written = texts(render(paper, path=path))
+        written = texts(render(paper, Drawing(trail=path)))
         assert [written.count(label) for label in paper.graph.nodes] == [2, 2, 2, 2, 2]
         assert "81 steps, 5 zones, 8 passages" in written
 
@@ -88,16 +90,16 @@ class TestPaper:
             assert dots[1].count("h0") > 5
 
     def test_is_the_same_each_time(self, paper: MapState, path: list[Point]) -> None:
-        assert render(paper, path=path) == render(paper, path=path)
+        assert render(paper, Drawing(trail=path)) == render(paper, Drawing(trail=path))
 
     def test_is_small(self, paper: MapState, path: list[Point]) -> None:
-        assert len(render(paper, path=path)) < 100_000
+        assert len(render(paper, Drawing(trail=path))) < 100_000
 
 
 def test_empty_map_says_so() -> None:
     picture = render(MapState())
     assert "no zones yet" in texts(picture)
-    assert "no zones yet" in texts(render(MapState(seq=2), path=[(1, 2), (1, 2)]))
+    assert "no zones yet" in texts(render(MapState(seq=2), Drawing(trail=[(1, 2), (1, 2)])))
     assert "nan" not in picture
 
 
@@ -127,42 +129,64 @@ def test_no_label_breaks_the_picture(labels: list[str]) -> None:
     ids=["sizes", "one upon the other", "two parts", "far away", "thin"],
 )
 def test_odd_maps_are_drawn(zones: dict[str, Region]) -> None:
-    picture = render(state_of(zones, *itertools.permutations(zones, 2)), path=[(0, 0)])
+    picture = render(state_of(zones, *itertools.permutations(zones, 2)), Drawing(trail=[(0, 0)]))
     assert not re.search(r"\b(nan|inf)\b", picture)
     assert all(texts(picture).count(label) == 2 for label in zones)
+
+
+PANEL = (400.0, 400.0)
+
+
+def labels(zones: Mapping[str, Region], lines: BaseGeometry = NO_PATH) -> list[Label]:
+    return place_labels([NamedRegion(*zone) for zone in zones.items()], lines, PANEL)
 
 
 class TestLabels:
     def test_lies_in_a_ring(self) -> None:
         ring = shapely.box(0, 0, 300, 300).difference(shapely.box(60, 60, 240, 240))
         assert isinstance(ring, shapely.Polygon)
-        (label,) = place_labels([("corridor", ring)], NO_PATH)
+        (label,) = labels({"corridor": ring})
         assert ring.contains(label.box)
 
     def test_keeps_off_the_path(self) -> None:
         room, path = shapely.box(0, 0, 200, 200), shapely.LineString([(0, 100), (200, 100)])
-        (label,) = place_labels([("room", room)], path)
+        (label,) = labels({"room": room}, path)
         assert room.contains(label.box)
         assert label.box.disjoint(path)
 
-    def test_is_shortened_and_small_where_there_is_no_room(self) -> None:
-        (label,) = place_labels([("n" * 100, shapely.box(0, 0, 20, 20))], NO_PATH)
-        assert (label.words, label.size) == ("n" * 23 + "\u2026", 7.0)
+    def test_is_shortened_and_beside_its_zone_where_there_is_no_room(self) -> None:
+        tiny = shapely.box(200, 200, 220, 220)
+        (label,) = labels({"n" * 100: tiny})
+        assert (label.words, label.size) == ("n" * 23 + "\u2026", 9.0)
+        assert label.box.intersects(tiny)
+
+    def test_stays_on_the_panel(self) -> None:
+        corner = shapely.box(0, 0, 8, 8)
+        (label,) = labels({"a long name": corner})
+        assert shapely.box(0, 0, *PANEL).contains(label.box)
+        assert label.box.dwithin(corner, 20)
+
+    def test_is_left_out_where_it_would_cover_others(self) -> None:
+        crowd = {f"a crowded room {i}{j}": shapely.box(9 * i, 9 * j, 9 * i + 8, 9 * j + 8)
+                 for i in range(10) for j in range(10)}  # fmt: skip
+        placed = labels(crowd)
+        assert 5 < len(placed) < 80
+        boxes = [label.box for label in placed]
+        assert all(a.disjoint(b) for a, b in itertools.combinations(boxes, 2))
 
     def test_do_not_sit_on_each_other(self) -> None:
-        zones = [(f"room {i}", shapely.box(30 * i, 0, 30 * i + 28, 40)) for i in range(12)]
-        labels = place_labels(zones, NO_PATH)
-        assert all(a.box.disjoint(b.box) for a, b in itertools.combinations(labels, 2))
-        assert [label.words for label in labels] == [name for name, _ in zones]
+        zones = {f"room {i}": shapely.box(30 * i, 0, 30 * i + 28, 40) for i in range(12)}
+        placed = labels(zones)
+        assert all(a.box.disjoint(b.box) for a, b in itertools.combinations(placed, 2))
+        assert len(placed) > 6
 
     def test_have_the_size_that_fits(self) -> None:
         sizes = [
-            place_labels([("corridor", shapely.box(0, 0, width, 60))], NO_PATH)[0].size
-            for width in (300, 60, 45)
+            labels({"corridor": shapely.box(0, 0, width, 60)})[0].size for width in (300, 60, 52)
         ]
         assert sizes == sorted(sizes, reverse=True)
         assert len(set(sizes)) == 3
-        assert isinstance(place_labels([], NO_PATH), list)
+        assert labels({}) == []
         assert Label("a", (0, 0), 10).box.area > 0
 
 

@@ -1,11 +1,12 @@
-"""Features of a map as GeoJSON (RFC 7946, but for the frame): what lies on the borders of zones."""
+"""Borders and doorways of a map as GeoJSON (RFC 7946, but for the frame)."""
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator
 
 from semtopo.borders import BorderPiece, border_pieces
-from semtopo.codec import Document, to_json
+from semtopo.codec import Document, region_document, to_json
+from semtopo.doorways import Doorway
 from semtopo.mapper import MapState
 
 
@@ -17,7 +18,27 @@ def borders_body(state: MapState) -> bytes:
     return _collection(state, _borders(state))
 
 
-def _collection(state: MapState, features: Iterator[Document]) -> bytes:
+def doorways_body(state: MapState) -> bytes:
+    """Return the doorways of a map: the free ground between two zones, which belongs to neither."""
+    return _collection(state, map(_doorway, state.metric.doorways.values()))
+
+
+def _doorway(doorway: Doorway) -> Document:
+    """Return a doorway; it is named by its ends and number."""
+    return {
+        "type": "Feature",
+        "geometry": region_document(doorway.region),
+        "properties": {
+            "ends": doorway.ends,
+            "number": doorway.number,
+            "area": doorway.region.area,
+            "since": doorway.since,
+            "seq": doorway.seq,
+        },
+    }
+
+
+def _collection(state: MapState, features: Iterable[Document]) -> bytes:
     return to_json({"type": "FeatureCollection", "seq": state.seq, "features": list(features)})
 
 

@@ -11,10 +11,12 @@ from semtopo.render.palette import FAINT, INK
 _SIZE = 11.0  # of the numbers, in pixels
 
 
-def draw_axes(frame: Frame) -> str:
-    """Return the outline of the panel, ticks with their numbers, and the scale bar."""
+def draw_axes(frame: Frame, *, is_numbered: bool) -> str:
+    """Return the outline of the panel; if it is numbered, ticks and a scale bar too."""
     width, height = frame.size
     outline = svg.element("rect", width=width, height=height, fill="none", stroke=FAINT)
+    if not is_numbered:
+        return outline
     return outline + svg.group(*_across(frame), *_up(frame), font_size=_SIZE) + _scale_bar(frame)
 
 

@@ -3,57 +3,105 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Iterable, Iterator, Sequence
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass
 
 import numpy as np
+import shapely
 
-from semtopo.graph import Node, Passage
+from semtopo.graph import Node, Passage, PassageKey
 from semtopo.mapper import MapState
 from semtopo.render import svg
+from semtopo.render.drawing import DrawnRoute
 from semtopo.render.layout import Nodes, lay_out
-from semtopo.render.palette import FAINT, INK, PAPER, shade
+from semtopo.render.palette import FAINT, INK, ROUTE, shade
 from semtopo.types import Flags, Floats, Point
+
+NODES_MAX, EDGES_MAX = 1_500, 6_000
+"""A graph beyond that is a grey cloud on paper, and takes seconds to draw."""
 
 _BEND = 10.0  # pixels; the two directions of a link bend to opposite sides
 _ARROW = 9.0  # pixels from base to tip
 _MARGIN = 0.12  # of the panel's width and height
 _ROOM = 75.0  # pixels around each node
+_EDGE = 18.0  # pixels around all nodes
+_LEAST = (480.0, 480.0)  # pixels
+_UPRIGHT, _WIDE = 0.6, 1.6  # width as a multiple of the height
 _LENGTH_MAX = 18  # signs; the full name is in the title
 
 
-def draw_graph(state: MapState, height: float) -> tuple[str, Point]:
-    """Return the panel of nodes and edges, in the colours of the metric map, and its size.
+@dataclass(frozen=True, slots=True)
+class GraphPanel:
+    """The drawing of a graph from the origin on, and its size in pixels."""
 
-    It is as high as asked for, in pixels, or higher.
-    """
+    content: str
+    size: Point
+
+
+def draw_graph(state: MapState, route: DrawnRoute | None) -> GraphPanel:
+    """Return the panel of nodes and edges, in the colours of the metric map."""
     nodes = list(state.graph.nodes.values())
+    if len(nodes) > NODES_MAX or len(state.graph.passages) > EDGES_MAX:
+        words = f"{len(nodes)} zones and {len(state.graph.passages)} passages: too many to draw"
+        middle = (_LEAST[0] / 2, _LEAST[1] / 2)
+        return GraphPanel(svg.text(words, middle, 15, text_anchor="middle", fill=FAINT), _LEAST)
     font = 15.0 if len(nodes) <= 12 else 11.0  # noqa: PLR2004 -- what stays legible
     half = np.array([_half_size(node, font) for node in nodes]).reshape(-1, 2)
-    size = _panel_size(half, height)
     number = {node.zone_id: place for place, node in enumerate(nodes)}
-    ends = [(number[edge.source], number[edge.target]) for edge in state.graph.passages.values()]
-    links = np.array(sorted({(min(pair), max(pair)) for pair in ends}), dtype=np.intp)
-    middles = lay_out(Nodes(_homes(state, size), half, links.reshape(-1, 2)), size)
-    panel = "".join(
-        [
-            svg.element("rect", width=size[0], height=size[1], fill=PAPER, stroke=FAINT),
-            *_edges(state.graph.passages.values(), ends, middles, half),
-            *_nodes(nodes, middles, half, font),
-        ]
-    )
-    return panel, size
+    edges = [
+        _Edge(edge, number[edge.source], number[edge.target])
+        for edge in state.graph.passages.values()
+    ]
+    pairs = sorted({(min(edge.ends), max(edge.ends)) for edge in edges})
+    links = np.array(pairs, dtype=np.intp).reshape(-1, 2)
+    room = _room(state, half)
+    middles = lay_out(Nodes(_homes(state, room), half, links), room)
+    middles, size = _cropped(middles, half)
+    taken = frozenset() if route is None else route.passages
+    marks = [*_edges(edges, middles, half, taken), *_nodes(nodes, middles, half, font)]
+    return GraphPanel("".join(marks), size)
 
 
-def _panel_size(half: Floats, height: float) -> Point:
-    """Return the size in pixels that leaves nodes of half sizes (nodes, 2) room for edges."""
-    needed = float((2 * half + _ROOM).prod(axis=1).sum())
-    width = max(520.0, math.sqrt(needed))
-    return (width, max(320.0, height, needed / width))
+@dataclass(frozen=True, slots=True)
+class _Edge:
+    """A passage, and the numbers of the nodes that it joins."""
+
+    passage: Passage
+    source: int
+    target: int
+
+    @property
+    def ends(self) -> tuple[int, int]:
+        """The numbers of its source and target."""
+        return (self.source, self.target)
+
+
+def _room(state: MapState, half: Floats) -> Point:
+    """Return the size in pixels that leaves nodes of half sizes (nodes, 2) room for edges.
+
+    It is as wide or upright as the map, within reason.
+    """
+    if len(half) == 0:
+        return _LEAST
+    needed = max(float((2 * half + _ROOM).prod(axis=1).sum()), _LEAST[0] * _LEAST[1])
+    bounds = shapely.total_bounds([zone.region for zone in state.metric.zones.values()])
+    extent = bounds[2:] - bounds[:2]
+    shape = math.sqrt(min(max(extent[0] / max(extent[1], 1e-9), _UPRIGHT), _WIDE))
+    return (math.sqrt(needed) * shape, math.sqrt(needed) / shape)
+
+
+def _cropped(middles: Floats, half: Floats) -> tuple[Floats, Point]:
+    """Return places of nodes (nodes, 2) moved to the origin, and the size that they fill."""
+    if len(middles) == 0:
+        return middles, _LEAST
+    low, high = (middles - half).min(axis=0) - _EDGE, (middles + half).max(axis=0) + _EDGE
+    width, height = high - low
+    return middles - low, (float(width), float(height))
 
 
 def _half_size(node: Node, font: float) -> Point:
     """Return half the width and height of a node."""
-    width = svg.text_width(svg.shortened(node.label, _LENGTH_MAX)) * font
+    width = svg.text_width(svg.shortened(node.zone_id, _LENGTH_MAX)) * font
     return (max(width / 2 + 0.7 * font, 1.2 * font), 1.2 * font)
 
 
@@ -75,7 +123,7 @@ def _nodes(nodes: Sequence[Node], middles: Floats, half: Floats, font: float) ->
     for number, (node, (x, y), (across, down)) in enumerate(zip(nodes, middles, half, strict=True)):
         yield svg.element(
             "rect",
-            svg.title(node.label),
+            svg.title(node.zone_id),
             x=x - across,
             y=y - down,
             width=2 * across,
@@ -85,26 +133,31 @@ def _nodes(nodes: Sequence[Node], middles: Floats, half: Floats, font: float) ->
             stroke=shade(number).line,
             stroke_width=1.5,
         )
-        words = svg.shortened(node.label, _LENGTH_MAX)
+        words = svg.shortened(node.zone_id, _LENGTH_MAX)
         yield svg.text(words, (x, y + 0.35 * font), font, text_anchor="middle", fill=INK)
 
 
 def _edges(
-    passages: Iterable[Passage], ends: Sequence[tuple[int, int]], middles: Floats, half: Floats
+    edges: Sequence[_Edge], middles: Floats, half: Floats, route: frozenset[PassageKey]
 ) -> Iterator[str]:
-    """Yield the edges, each in the colour of its source."""
-    pairs = set(ends)
-    for passage, (source, target) in zip(passages, ends, strict=True):
-        bend = _BEND if (target, source) in pairs else 0.0
-        curve = _between(middles[[source, target]], half[[source, target]], bend)
-        x, y = passage.point
-        words = f"{passage.source} \u2192 {passage.target} at ({x:.2f}, {y:.2f})"
-        colour = shade(source).line
-        yield svg.group(
-            svg.title(words),
-            svg.element("path", d=_line_data(curve), fill="none", stroke=colour, stroke_width=1.5),
-            svg.element("path", d=_head_data(curve), fill=colour),
+    """Yield the edges, each in the colour of its source; those of a route last, and bold."""
+    ways = {edge.ends for edge in edges} | {
+        edge.ends[::-1] for edge in edges if edge.passage.number > 0
+    }
+    for edge in sorted(edges, key=lambda edge: edge.passage.key in route):
+        is_alone = edge.ends[::-1] not in ways
+        bend = 0.0 if is_alone else _BEND * (1 + 2 * edge.passage.number)
+        ends = [edge.source, edge.target]
+        curve = _between(middles[ends], half[ends], bend)
+        x, y = edge.passage.point
+        words = f"{edge.passage.source} \u2192 {edge.passage.target} at ({x:.2f}, {y:.2f})"
+        is_taken = edge.passage.key in route
+        colour, width = (ROUTE, 3.5) if is_taken else (shade(edge.source).line, 1.5)
+        line = svg.element(
+            "path", d=_line_data(curve), fill="none", stroke=colour, stroke_width=width
         )
+        head = svg.element("path", d=_head_data(curve), fill=colour)
+        yield svg.group(svg.title(words), line, head)
 
 
 def _between(middles: Floats, half: Floats, bend: float) -> Floats:

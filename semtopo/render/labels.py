@@ -7,6 +7,7 @@ from dataclasses import dataclass
 
 import numpy as np
 import shapely
+from shapely import STRtree
 from shapely.geometry.base import BaseGeometry
 
 from semtopo.geometry import Polygons, Region, polygonal
@@ -14,11 +15,21 @@ from semtopo.render import svg
 from semtopo.types import Floats, Point
 
 LARGE = (17.0, 15.0, 13.0)
-SIZES = (*LARGE, 11.0, 10.0, 9.0, 8.0, 7.0)
-"""Font sizes in pixels; the first that fits is taken."""
+SIZES = (*LARGE, 12.0, 11.0, 10.0, 9.0)
+"""Font sizes in pixels; the first that fits is taken. Smaller ones are hard to read."""
 
 LENGTH_MAX = 24  # signs; the full name is in the title
 _GRID = 13  # places tried along each axis of a zone
+_AROUND = 9  # places tried along each axis, around a zone that is too small for its name
+_CROWD = 300  # zones; among more, a name that does not fit into its zone is left out
+
+
+@dataclass(frozen=True, slots=True)
+class NamedRegion:
+    """A zone to be labelled: its name, and its region in pixels."""
+
+    name: str
+    region: Region
 
 
 @dataclass(frozen=True, slots=True)
@@ -36,54 +47,101 @@ class Label:
         return box
 
 
-def place_labels(zones: Sequence[tuple[str, Region]], path: BaseGeometry) -> list[Label]:
-    """Return a label for each zone, in their order; regions and the robot's path are in pixels.
+def place_labels(
+    zones: Sequence[NamedRegion], lines: BaseGeometry, panel: Point
+) -> list[Label]:  # fmt: skip
+    """Return labels in the order of their zones, none upon another, all within a panel of a size.
 
-    Small zones choose first. Large labels keep off the path. Where nothing fits, a label has the
-    least size, and lies where it covers others least.
+    Small zones choose first. Large labels keep off the lines. A name that fits nowhere into its
+    zone, in no size, stands in the least one beside it, if there is room; else it is left out.
     """
     placed: dict[int, Label] = {}
-    for number in sorted(range(len(zones)), key=lambda number: zones[number][1].area):
-        region = polygonal(zones[number][1].simplify(1.0))  # a pixel more or less does not show
-        words = svg.shortened(zones[number][0], LENGTH_MAX)
-        reach = svg.text_width(words) * LARGE[0]
-        taken = [label.box for label in placed.values() if label.box.dwithin(region, reach)]
-        placed[number] = _place(words, region, shapely.union_all(taken), path)
-    return [placed[number] for number in range(len(zones))]
+    order = sorted(range(len(zones)), key=lambda number: zones[number].region.area)
+    reach = [_reach(zone) for zone in zones]
+    near = STRtree(reach)
+    shapely.prepare(lines)
+    outer = shapely.box(0, 0, *panel)
+    for number in order:
+        others = [placed[it].box for it in near.query(reach[number]) if it in placed]
+        place = _Place(zones[number], shapely.union_all(others), lines)
+        label = place.inside() or (place.beside(outer) if len(zones) <= _CROWD else None)
+        if label is not None:
+            placed[number] = label
+    return [placed[number] for number in sorted(placed)]
 
 
-def _place(words: str, region: Region, taken: BaseGeometry, path: BaseGeometry) -> Label:
-    """Return the label of one zone, off what is taken if that can be."""
-    middles, nothing = _places(region), shapely.Point()
-    shapely.prepare([region, taken, path])
-    for size, crossed in [*((size, path) for size in LARGE), *((size, nothing) for size in SIZES)]:
-        boxes = _boxes(words, middles, size)
-        if not _wide_enough(region, boxes[0]):
-            continue
-        fitting = shapely.contains_properly(region, boxes)
-        fitting &= shapely.disjoint(taken, boxes) & shapely.disjoint(crossed, boxes)
-        if fitting.any():
-            return _label(words, middles[fitting.argmax()], size)
-    boxes = _boxes(words, middles, SIZES[-1])
-    covered = shapely.area(shapely.intersection(boxes, taken))
-    outside = shapely.area(shapely.difference(boxes, region))
-    return _label(words, middles[(10 * covered + outside).argmin()], SIZES[-1])
+def _reach(zone: NamedRegion) -> BaseGeometry:
+    """Return a box that holds all places where a zone's label may be."""
+    low_x, low_y, high_x, high_y = zone.region.bounds
+    width = svg.text_width(svg.shortened(zone.name, LENGTH_MAX)) * LARGE[0]
+    return shapely.box(low_x - width, low_y - LARGE[0], high_x + width, high_y + LARGE[0])
 
 
-def _wide_enough(region: Region, box: BaseGeometry) -> bool:
-    """Say whether a box could fit into a region, by width and height alone; quick."""
-    low_x, low_y, high_x, high_y = region.bounds
-    left, top, right, bottom = box.bounds
-    return bool(right - left < high_x - low_x and bottom - top < high_y - low_y)
+class _Place:
+    """Where the label of one zone may be: off what is taken."""
+
+    def __init__(self, zone: NamedRegion, taken: BaseGeometry, lines: BaseGeometry) -> None:
+        self.words = svg.shortened(zone.name, LENGTH_MAX)
+        self.region = polygonal(zone.region.simplify(1.0))  # a pixel does not show
+        self.taken, self.lines = taken, lines
+        shapely.prepare([self.region, taken])
+
+    def inside(self) -> Label | None:
+        """Return a label in the zone, as large as fits; large ones keep off the lines."""
+        if not self._wide_enough(SIZES[-1]):
+            return None
+        middles, nothing = _places(self.region), shapely.Point()
+        tries = [*((size, self.lines) for size in LARGE), *((size, nothing) for size in SIZES)]
+        for size, crossed in tries:
+            if not self._wide_enough(size):
+                continue
+            boxes = _boxes(self.words, middles, size)
+            fitting = shapely.contains_properly(self.region, boxes)
+            fitting &= shapely.disjoint(self.taken, boxes) & shapely.disjoint(crossed, boxes)
+            if fitting.any():
+                return _label(self.words, middles[fitting.argmax()], size)
+        return None
+
+    def beside(self, outer: BaseGeometry) -> Label | None:
+        """Return a small label over the border of the zone or next to it, as near as can be."""
+        middles = _around(self.region, self.words)
+        boxes = _boxes(self.words, middles, SIZES[-1])
+        free = shapely.disjoint(self.taken, boxes) & shapely.contains(outer, boxes)
+        if not free.any():
+            return None
+        outside = shapely.area(shapely.difference(boxes[free], self.region))
+        return _label(self.words, middles[free][outside.argmin()], SIZES[-1])
+
+    def _wide_enough(self, size: float) -> bool:
+        """Say whether a label could fit into the zone, by width and height alone; quick."""
+        low_x, low_y, high_x, high_y = self.region.bounds
+        left, top, right, bottom = _boxes(self.words, np.zeros((1, 2)), size)[0].bounds
+        return bool(right - left < high_x - low_x and bottom - top < high_y - low_y)
 
 
 def _label(words: str, middle: Floats, size: float) -> Label:
     return Label(words, (float(middle[0]), float(middle[1])), size)
 
 
+def _around(region: Region, words: str) -> Floats:
+    """Return places (n, 2) in a grid about a region, the nearest to its pole first."""
+    pole = _pole(region)
+    low_x, low_y, high_x, high_y = region.bounds
+    reach = np.array([svg.text_width(words) / 2, 0.7]) * SIZES[-1]
+    low, high = np.array([low_x, low_y]) - reach, np.array([high_x, high_y]) + reach
+    axes = np.linspace(low, high, _AROUND).T
+    grid = np.concatenate([pole, np.stack(np.meshgrid(*axes), axis=-1).reshape(-1, 2)])
+    near: Floats = grid[np.argsort(np.hypot(*(grid - pole).T), kind="stable")]
+    return near
+
+
+def _pole(region: Region) -> Floats:
+    """Return the place (1, 2) that lies deepest inside a region."""
+    return shapely.get_coordinates(shapely.maximum_inscribed_circle(region, tolerance=1.0))[:1]
+
+
 def _places(region: Region) -> Floats:
     """Return places (n, 2) inside a region: its pole, then others, the deepest inside first."""
-    pole = shapely.get_coordinates(shapely.maximum_inscribed_circle(region, tolerance=1.0))[:1]
     low_x, low_y, high_x, high_y = region.bounds
     steps = (np.arange(_GRID) + 0.5) / _GRID
     across, up = np.meshgrid(low_x + steps * (high_x - low_x), low_y + steps * (high_y - low_y))
@@ -91,7 +149,8 @@ def _places(region: Region) -> Floats:
     dots = np.asarray(shapely.points(grid))
     inside = shapely.contains(region, dots)
     depth = shapely.distance(region.boundary, dots)
-    return np.concatenate([pole, grid[inside][np.argsort(-depth[inside], kind="stable")]])
+    order = np.argsort(-depth[inside], kind="stable")
+    return np.concatenate([_pole(region), grid[inside][order]])
 
 
 def _boxes(words: str, middles: Floats, size: float) -> Polygons:

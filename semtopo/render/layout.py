@@ -10,11 +10,14 @@ from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 
 import numpy as np
+import shapely
+from shapely import STRtree
 
 from semtopo.types import Floats, Integers, Point
 
 _ROUNDS = 400
-_WORK_MAX = 12_000_000  # pairs looked at; larger graphs get fewer rounds
+_WORK_MAX = 40_000  # nodes looked at in all rounds; larger graphs get fewer of them
+_ROUNDS_LEAST = 20
 _GAP = 14.0  # pixels between two nodes, and between a node and an edge of others
 _HOMESICKNESS = 0.01  # of the way home, in the first round
 _HUB = 10  # neighbours
@@ -36,13 +39,12 @@ def lay_out(nodes: Nodes, size: Point) -> Floats:
     low, high = nodes.half + 6, np.maximum(np.array(size) - nodes.half - 6, nodes.half + 6)
     middles = np.clip(_told_apart(nodes.home), low, high)
     hubs = list(_hubs(nodes.links))
-    pairs = len(middles) * (len(middles) + len(nodes.links)) + 1
-    rounds = min(_ROUNDS, max(_WORK_MAX // pairs, 40))
+    rounds = min(_ROUNDS, max(_WORK_MAX // (len(middles) + 1), _ROUNDS_LEAST))
     for homesick in np.linspace(_HOMESICKNESS, 0, rounds):
         push = _apart(nodes, middles) + _off_edges(nodes, middles) + _fanned(hubs, middles)
         move = homesick * (nodes.home - middles) + _PUSH * push
         middles = np.clip(middles + move, low, high)
-    for _ in range(_ROUNDS):  # that nodes lie apart matters most
+    for _ in range(rounds):  # that nodes lie apart matters most
         move = _apart(nodes, middles)
         if not move.any():
             break
@@ -58,29 +60,46 @@ def _told_apart(home: Floats) -> Floats:
 
 def _apart(nodes: Nodes, middles: Floats) -> Floats:
     """Return how nodes move (nodes, 2) that are too close: along the axis that needs less."""
-    between = middles[:, None] - middles[None, :]
-    overlap = nodes.half[:, None] + nodes.half[None, :] + _GAP - np.abs(between)
-    touching = (overlap > 0).all(axis=2) & ~np.eye(len(middles), dtype=np.bool_)
-    along_x = overlap[..., 0] < overlap[..., 1]
-    axis = np.stack([along_x, ~along_x], axis=-1) & touching[..., None]
-    move: Floats = np.where(axis, np.sign(between) * overlap / 2, 0.0).sum(axis=1)
-    return move
+    one, other = _near(middles, nodes.half + _GAP / 2)
+    between = middles[one] - middles[other]
+    overlap = np.maximum(nodes.half[one] + nodes.half[other] + _GAP - np.abs(between), 0)
+    along_x = overlap[:, 0] < overlap[:, 1]
+    axis = np.stack([along_x, ~along_x], axis=-1)
+    return _summed(one, np.where(axis, np.sign(between) * overlap / 2, 0.0), len(middles))
+
+
+def _near(middles: Floats, half: Floats) -> Integers:
+    """Return the pairs (2, n) of rectangles that meet, each pair both ways, in order."""
+    boxes = np.asarray(shapely.box(*(middles - half).T, *(middles + half).T))
+    pairs = STRtree(boxes).query(boxes)
+    pairs = pairs[:, pairs[0] != pairs[1]]
+    return pairs[:, np.lexsort(pairs[::-1])]
 
 
 def _off_edges(nodes: Nodes, middles: Floats) -> Floats:
     """Return how nodes move (nodes, 2) that lie on an edge between two others: straight off it."""
-    start, end = middles[nodes.links[:, :1]], middles[nodes.links[:, 1:]]  # (links, 1, 2)
-    along, offset = end - start, middles - start
-    length = np.maximum((along**2).sum(axis=2), 1e-9)
-    share = np.clip((offset * along).sum(axis=2) / length, 0, 1)
-    away = offset - share[..., None] * along
-    distance = np.maximum(np.hypot(away[..., 0], away[..., 1]), 1e-9)[..., None]
+    lines = np.asarray(shapely.linestrings(middles[nodes.links]))
+    reach = np.hypot(*nodes.half.T) + _GAP
+    pairs = STRtree(lines).query(shapely.points(middles), predicate="dwithin", distance=reach)
+    node, link = pairs[:, np.lexsort(pairs[::-1])]
+    own = (nodes.links[link] == node[:, None]).any(axis=1)  # its own ends may touch it
+    node, link = node[~own], link[~own]
+    start, end = middles[nodes.links[link, 0]], middles[nodes.links[link, 1]]
+    along, offset = end - start, middles[node] - start
+    length = np.maximum((along**2).sum(axis=1), 1e-9)
+    share = np.clip((offset * along).sum(axis=1) / length, 0, 1)
+    away = offset - share[:, None] * along
+    distance = np.maximum(np.hypot(*away.T), 1e-9)[:, None]
     direction = away / distance
-    room = (nodes.half * np.abs(direction)).sum(axis=2, keepdims=True) + _GAP
-    push: Floats = direction * np.maximum(room - distance, 0)
-    np.put_along_axis(push, nodes.links[..., None], 0, axis=1)  # its own ends may touch it
-    move: Floats = push.sum(axis=0)
-    return move
+    room = (nodes.half[node] * np.abs(direction)).sum(axis=1, keepdims=True) + _GAP
+    return _summed(node, direction * np.maximum(room - distance, 0), len(middles))
+
+
+def _summed(which: Integers, moves: Floats, count: int) -> Floats:
+    """Return the sum of the moves (n, 2) of each of `count` nodes."""
+    total = np.zeros((count, 2))
+    np.add.at(total, which, moves)
+    return total
 
 
 def _hubs(links: Integers) -> Iterator[tuple[int, Integers]]:

@@ -9,63 +9,88 @@ import numpy as np
 import shapely
 from shapely.geometry.base import BaseGeometry
 
+from semtopo.borders import border_pieces
 from semtopo.geometry import Region
 from semtopo.graph import Passage
 from semtopo.mapper import MapState
 from semtopo.metric import MappedZone
 from semtopo.render import svg
 from semtopo.render.axes import draw_axes
+from semtopo.render.drawing import Drawing, Layer
 from semtopo.render.frame import Frame
-from semtopo.render.labels import place_labels
-from semtopo.render.palette import DIM, HALO, INK, OCCUPANCY, shade
+from semtopo.render.labels import NamedRegion, place_labels
+from semtopo.render.marks import frontier_line, passage_mark, route_ends, route_line
+from semtopo.render.palette import DIM, DOORWAY, HALO, INK, OCCUPANCY, shade
 from semtopo.types import Floats, Occupancy, Point
 
 DOT = 2.8  # pixels; the diameter of a border point
+_TITLES_MAX = 5_000  # passages; more are one shape, without a title for each
+_FINEST = 0.25  # pixels; a bend that is smaller does not show
 
 
-def draw_metric_map(state: MapState, path: Sequence[Point], frame: Frame) -> str:
-    """Return the panel of zones, border points, the robot's path, passages and names."""
+def draw_metric_map(state: MapState, drawing: Drawing, frame: Frame) -> str:
+    """Return the panel of the layers that are to be shown."""
     zones = list(state.metric.zones.values())
     width, height = frame.size
+    layers = {
+        Layer.ZONES: _areas(zones, frame),
+        Layer.DOORWAYS: _doorways(state, frame),
+        Layer.FRONTIERS: _frontiers(zones, frame),
+        Layer.BORDERS: _borders(zones, frame),
+        Layer.TRAIL: _trail(drawing.trail, frame),
+        Layer.PASSAGES: _passages(list(state.graph.passages.values()), frame),
+        Layer.ROBOT: _robot(state, drawing.trail, frame),
+        Layer.LABELS: _names(zones, drawing, frame),
+    }
+    shown = [mark for layer, marks in layers.items() if drawing.shows(layer) for mark in marks]
     return "".join(
         [
             svg.element("rect", width=width, height=height, fill=DIM),
-            *(_area(zone, number, frame) for number, zone in enumerate(zones)),
-            *_borders(zones, frame),
-            *_drive(path, frame),
-            *(_passage(passage, frame) for passage in state.graph.passages.values()),
-            *_names(zones, path, frame),
-            draw_axes(frame),
+            *shown,
+            *_route(drawing, frame),
+            draw_axes(frame, is_numbered=drawing.shows(Layer.AXES)),
         ]
     )
 
 
-def passage_mark(at: Point) -> str:
-    """Return the outline of the mark of a passage point, a square on its corner."""
-    x, y = at
-    return f"M{svg.number(x)} {svg.number(y - 5)}l5 5l-5 5l-5-5Z"
+def _areas(zones: Sequence[MappedZone], frame: Frame) -> Iterator[str]:
+    """Yield the regions of all zones."""
+    for number, zone in enumerate(zones):
+        yield svg.element(
+            "path",
+            svg.title(f"{zone.zone_id}: {zone.region.area:.2f} m\u00b2"),
+            d="".join(f"M{svg.points(ring)}Z" for ring in _rings(zone.region, frame)),
+            fill=shade(number).area,
+            fill_rule="evenodd",
+            stroke=shade(number).line,
+            stroke_width=0.8,
+            stroke_linejoin="round",
+        )
 
 
-def _area(zone: MappedZone, number: int, frame: Frame) -> str:
-    """Return the region of a zone."""
-    rings = [svg.points(frame.pixels(ring)) for ring in _rings(zone.region)]
-    return svg.element(
-        "path",
-        svg.title(f"{zone.label}: {zone.region.area:.2f} m\u00b2"),
-        d="".join(f"M{ring}Z" for ring in rings),
-        fill=shade(number).area,
-        fill_rule="evenodd",
-        stroke=shade(number).line,
-        stroke_width=0.8,
-        stroke_linejoin="round",
-    )
+def _doorways(state: MapState, frame: Frame) -> Iterator[str]:
+    """Yield the ground between zones."""
+    for doorway in state.metric.doorways.values():
+        data = "".join(f"M{svg.points(ring)}Z" for ring in _rings(doorway.region, frame))
+        words = " \u2013 ".join(doorway.ends)
+        yield svg.element("path", svg.title(words), d=data, fill=DOORWAY, fill_rule="evenodd")
 
 
-def _rings(region: Region) -> Iterator[Floats]:
-    """Yield the coordinates of every ring of a region, each without its closing point."""
-    for part in shapely.get_parts(region):
+def _rings(region: Region, frame: Frame) -> Iterator[Floats]:
+    """Yield every ring of a region in pixels without its last point; bends too fine are cut."""
+    dots = shapely.transform(region, frame.pixels)
+    coarse = dots.simplify(_FINEST, preserve_topology=False)
+    for part in shapely.get_parts(dots if coarse.is_empty else coarse):
         for ring in shapely.get_rings(part):
             yield shapely.get_coordinates(ring)[:-1]
+
+
+def _frontiers(zones: Sequence[MappedZone], frame: Frame) -> Iterator[str]:
+    """Yield the stretches of border beyond which nothing is known."""
+    for zone in zones:
+        for piece in border_pieces(zone):
+            if piece.occupancy is Occupancy.FREE:
+                yield frontier_line(svg.points(frame.pixels(piece.line)))
 
 
 def _borders(zones: Sequence[MappedZone], frame: Frame) -> Iterator[str]:
@@ -85,48 +110,67 @@ def _thinned(dots: Floats) -> Floats:
     return dots[np.sort(first)]
 
 
-def _drive(path: Sequence[Point], frame: Frame) -> Iterator[str]:
-    """Yield the robot's path, and the robot at its end."""
-    if not path:
+def _trail(trail: Sequence[Point], frame: Frame) -> Iterator[str]:
+    """Yield the line along which the robot went."""
+    if trail:
+        line = svg.points(frame.pixels(np.array(trail)))
+        yield svg.element(
+            "polyline", points=line, fill="none", stroke=INK, stroke_width=1, opacity=0.7
+        )
+
+
+def _robot(state: MapState, trail: Sequence[Point], frame: Frame) -> Iterator[str]:
+    """Yield the robot, at the end of its trail, looking along its last move."""
+    places = [*trail] or ([] if state.position is None else [state.position])
+    if not places:
         return
-    dots = frame.pixels(np.array(path))
-    yield svg.element(
-        "polyline", points=svg.points(dots), fill="none", stroke=INK, stroke_width=1, opacity=0.7
-    )
-    yield svg.element("circle", cx=dots[-1, 0], cy=dots[-1, 1], r=6, fill=INK, stroke=HALO)
-    x, y = dots[-1] + 6 * _heading(dots)
-    yield svg.line((dots[-1, 0], dots[-1, 1]), (x, y), stroke=HALO, stroke_width=2)
-
-
-def _line(path: Sequence[Point], frame: Frame) -> BaseGeometry:
-    """Return a path in pixels; a path of one position is a line without length."""
-    dots = frame.pixels(np.array([*path, *path[-1:]]).reshape(-1, 2))
-    return shapely.LineString(dots)
+    dots = frame.pixels(np.array(places))
+    at = dots[-1]
+    x, y = at + 6 * _heading(dots)
+    yield svg.element("circle", cx=at[0], cy=at[1], r=6, fill=INK, stroke=HALO)
+    yield svg.line((at[0], at[1]), (x, y), stroke=HALO, stroke_width=2)
 
 
 def _heading(dots: Floats) -> Floats:
-    """Return the unit vector of the last move of a path (n, 2), zero if there was none."""
+    """Return the unit vector of the last move of a trail (n, 2), zero if there was none."""
     moves = np.diff(dots, axis=0)
     moves = moves[np.hypot(*moves.T) > 0]
     return moves[-1] / math.hypot(*moves[-1]) if len(moves) else np.zeros(2)
 
 
-def _passage(passage: Passage, frame: Frame) -> str:
-    """Return the mark of a passage point."""
-    x, y = passage.point
-    return svg.element(
-        "path",
-        svg.title(f"{passage.source} \u2192 {passage.target} at ({x:.2f}, {y:.2f})"),
-        d=passage_mark(frame.pixel(passage.point)),
-        fill=OCCUPANCY[Occupancy.PASSAGE],
-        stroke=INK,
-    )
+def _route(drawing: Drawing, frame: Frame) -> Iterator[str]:
+    """Yield the line of a route, with a ring where it begins and a disc where it ends."""
+    if drawing.route is None or not drawing.route.line:
+        return
+    dots = frame.pixels(np.array(drawing.route.line))
+    yield route_line(svg.points(dots))
+    yield route_ends(dots)
 
 
-def _names(zones: Sequence[MappedZone], path: Sequence[Point], frame: Frame) -> Iterator[str]:
-    """Yield the name of each zone."""
-    named = [(zone.label, shapely.transform(zone.region, frame.pixels)) for zone in zones]
-    for label in place_labels(named, _line(path, frame)):
+def _passages(passages: Sequence[Passage], frame: Frame) -> Iterator[str]:
+    """Yield the marks of all passage points; small ones where there are very many."""
+    room = frame.size[0] * frame.size[1] / (len(passages) + 1)
+    half = min(max(math.sqrt(room) / 8, 1.5), 5.0)
+    if len(passages) > _TITLES_MAX:
+        marks = [passage_mark(frame.pixel(passage.point), half) for passage in passages]
+        yield svg.element("path", d="".join(marks), fill=OCCUPANCY[Occupancy.PASSAGE])
+        return
+    for passage in passages:
+        x, y = passage.point
+        yield svg.element(
+            "path",
+            svg.title(f"{passage.source} \u2192 {passage.target} at ({x:.2f}, {y:.2f})"),
+            d=passage_mark(frame.pixel(passage.point), half),
+            fill=OCCUPANCY[Occupancy.PASSAGE],
+            stroke=INK,
+            stroke_width=half / 5,
+        )
+
+
+def _names(zones: Sequence[MappedZone], drawing: Drawing, frame: Frame) -> Iterator[str]:
+    """Yield the name of each zone that has room for it."""
+    named = [NamedRegion(it.zone_id, shapely.transform(it.region, frame.pixels)) for it in zones]
+    for label in place_labels(named, _lines(drawing, frame), frame.size):
         x, y = label.middle
         yield svg.text(
             label.words,
@@ -140,3 +184,11 @@ def _names(zones: Sequence[MappedZone], path: Sequence[Point], frame: Frame) -> 
             stroke_linejoin="round",
             paint_order="stroke",
         )
+
+
+def _lines(drawing: Drawing, frame: Frame) -> BaseGeometry:
+    """Return what names keep off where they can, in pixels: the trail and the route."""
+    trail = drawing.trail if drawing.shows(Layer.TRAIL) else ()
+    route = () if drawing.route is None else drawing.route.line
+    lines = [frame.pixels(np.array([*line, *line[-1:]])) for line in (trail, route) if line]
+    return shapely.MultiLineString(lines)

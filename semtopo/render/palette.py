@@ -13,6 +13,10 @@ DIM = "#c9ced6"
 """The unexplored."""
 PAPER = "#ffffff"
 HALO = "#ffffff"
+ROUTE = "#0b5fd9"
+DOORWAY = "#e9ecf1"
+FRONTIER = "#087f5b"
+FONTS = "Helvetica, Arial, 'DejaVu Sans', sans-serif"
 OCCUPANCY = {Occupancy.FREE: "#2f9e44", Occupancy.OBSTACLE: "#d6293a", Occupancy.PASSAGE: "#f2b705"}
 """As in the paper's figures; drawn in this order, so that passages stay visible."""
 

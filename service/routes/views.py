@@ -6,10 +6,10 @@ from typing import Any
 
 from fastapi import APIRouter, Request, Response
 
-from semtopo.exports.geojson import borders_body
+from semtopo.exports.geojson import borders_body, doorways_body
 from service.parameters import AtStep, IfNoneMatch, SessionId, maps_of
 from service.replies import GeoJsonBytes, unless_known
-from service.schemas.maps import BordersAnswer
+from service.schemas.maps import BordersAnswer, DoorwaysAnswer
 from service.schemas.problems import problems
 
 router = APIRouter(
@@ -30,4 +30,18 @@ async def read_borders(
 ) -> Response:
     """Read the borders of all zones as GeoJSON lines: walls, passages and frontiers (`free`)."""
     body = await maps_of(request).view(session_id, at, "borders", borders_body)
+    return unless_known(GeoJsonBytes, body, if_none_match)
+
+
+@router.get(
+    "/doorways",
+    response_model=DoorwaysAnswer,
+    response_class=GeoJsonBytes,
+    responses=UNCHANGED,
+)
+async def read_doorways(
+    request: Request, session_id: SessionId, if_none_match: IfNoneMatch = None, at: AtStep = None
+) -> Response:
+    """Read the doorways as GeoJSON: the free ground between two zones, which belongs to neither."""
+    body = await maps_of(request).view(session_id, at, "doorways", doorways_body)
     return unless_known(GeoJsonBytes, body, if_none_match)

@@ -101,3 +101,29 @@ class BordersAnswer(BaseModel):
     type: Literal["FeatureCollection"]
     seq: int
     features: list[BorderFeature]
+
+
+class DoorwayProperties(BaseModel):
+    """About a doorway: the zones at its ends, and which of those between them it is; m^2."""
+
+    ends: tuple[str, str]
+    number: int
+    area: float
+    since: int
+    seq: int
+
+
+class DoorwayFeature(BaseModel):
+    """A doorway as a GeoJSON feature."""
+
+    type: Literal["Feature"]
+    geometry: PolygonAnswer | MultiPolygonAnswer
+    properties: DoorwayProperties
+
+
+class DoorwaysAnswer(BaseModel):
+    """The doorways of a map after step `seq`, as GeoJSON."""
+
+    type: Literal["FeatureCollection"]
+    seq: int
+    features: list[DoorwayFeature]

@@ -11,7 +11,7 @@ import pytest
 from pydantic import BaseModel
 
 from service.schemas.answers import RouteAnswer
-from service.schemas.maps import BordersAnswer, GraphAnswer, ZonesAnswer
+from service.schemas.maps import BordersAnswer, DoorwaysAnswer, GraphAnswer, ZonesAnswer
 from service.schemas.operations import HealthAnswer
 from service.schemas.problems import ProblemAnswer
 from service.schemas.sessions import SessionAnswer, SessionsAnswer
@@ -58,6 +58,8 @@ def assert_fits(body: bytes, model: type[BaseModel]) -> None:
         ("/zones?at=0", ZonesAnswer, GEOJSON),
         ("/borders", BordersAnswer, GEOJSON),
         ("/borders?at=0", BordersAnswer, GEOJSON),
+        ("/doorways", DoorwaysAnswer, GEOJSON),
+        ("/doorways?at=0", DoorwaysAnswer, GEOJSON),
         ("/steps", StepsAnswer, "application/json"),
         ("/steps?after=7&limit=1", StepsAnswer, "application/json"),
         ("/route?from=corridor&to=A", RouteAnswer, "application/json"),
@@ -199,6 +201,7 @@ def test_after_a_deletion_nothing_is_left(server: Server) -> None:
         ("GET", "", None), ("DELETE", "", None), ("GET", "/graph", None), ("GET", "/zones", None),
         ("GET", "/graph?at=1", None), ("GET", "/zones?at=1", None), ("GET", "/steps", None),
         ("GET", "/borders", None), ("GET", "/borders?at=1", None),
+        ("GET", "/doorways", None),
         ("GET", "/route?from=A&to=A", None), ("POST", "/query", {"text": "path from A to A"}),
         ("POST", "/step", paper_steps()[0]), ("POST", "/step", {**paper_steps()[0], "seq": 2}),
     ]  # fmt: skip
@@ -269,7 +272,7 @@ def test_the_description_names_every_call(server: Server) -> None:
         ("post", "/sessions"), ("get", "/sessions"), ("get", below), ("delete", below),
         ("post", f"{below}/step"), ("get", f"{below}/steps"), ("get", f"{below}/graph"),
         ("get", f"{below}/zones"), ("get", f"{below}/route"), ("post", f"{below}/query"),
-        ("get", f"{below}/borders"),
+        ("get", f"{below}/borders"), ("get", f"{below}/doorways"),
         ("get", "/healthz"), ("get", "/readyz"), ("get", "/metrics"),
     }  # fmt: skip
 

@@ -300,7 +300,7 @@ QUERIES = [
       for it in ("-1", "2147483648", "9" * 30, "1.5", "1e1", "x", "", "NaN", "0x1")),
     case("borders at no step", "/borders?at=-1", 422, "invalid_request"),
     *(case(f"{body} beyond", f"/{body}?at=2", 404, "unknown_step")
-      for body in ("graph", "zones", "borders")),
+      for body in ("graph", "zones", "borders", "doorways")),
     case("zones at the largest", "/zones?at=2147483647", 404, "unknown_step"),
     *(case(f"bbox {it}", f"/zones?bbox={it}", 422, "invalid_request")
       for it in ("", "1,2,3", "1,2,3,4,5", "a,b,c,d", "nan,0,1,1", "inf,0,1,1", "1e1,0,20,1",
@@ -339,7 +339,7 @@ def test_a_bad_cursor(server: Server, cursor: str) -> None:
 )
 def test_a_bad_session_id(server: Server, session_id: str, status: int, code: str) -> None:
     path = f"/sessions/{session_id}"
-    for below in ("", "/graph", "/zones", "/borders", "/steps", "/route?from=a&to=b"):
+    for below in ("", "/graph", "/zones", "/borders", "/doorways", "/steps", "/route?from=a&to=b"):
         refused(server.client.get(path + below), status, code)
     refused(server.client.delete(path), status, code)
     refused(raw(server, f"{path}/step", text(at(0, 0))), status, code)

@@ -13,7 +13,8 @@ from tests.service.twin import at
 
 CALLS = [
     ("GET", ""), ("DELETE", ""), ("GET", "/graph"), ("GET", "/zones"), ("GET", "/borders"),
-    ("GET", "/steps"), ("GET", "/route?from=a&to=b"), ("POST", "/step"), ("POST", "/query"),
+    ("GET", "/doorways"), ("GET", "/steps"), ("GET", "/route?from=a&to=b"), ("POST", "/step"),
+    ("POST", "/query"),
 ]  # fmt: skip
 
 
@@ -57,7 +58,7 @@ def test_a_key_opens_its_own_sessions_only(guarded: Server) -> None:
         assert (foreign.status_code, foreign.json()["code"]) == (404, "unknown_session"), below
     listed = [call(guarded, "GET", "/sessions", key).json()["sessions"] for key in (ours, theirs)]
     assert [[one["id"] for one in some] for some in listed] == [[made.json()["id"]], []]
-    for body in ("", "/graph", "/zones", "/borders", "/steps"):
+    for body in ("", "/graph", "/zones", "/borders", "/doorways", "/steps"):
         assert call(guarded, "GET", path + body, ours).status_code == 200
 
 
