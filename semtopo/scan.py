@@ -67,6 +67,21 @@ class Scan:
         """Return where the chosen intervals end, (n, 2) in m, map frame."""
         return self.points(intervals, self.intervals.far[intervals])
 
+    def ends(self) -> tuple[Floats, Bytes]:
+        """Return where each beam ends, (beams, 2) in m, map frame, and why, (beams,).
+
+        That is the last point of its last interval. A beam without any ends at the robot, for no
+        reason: NONE.
+        """
+        beams = np.arange(len(self.directions))
+        last = np.searchsorted(self.intervals.beam, beams, side="right") - 1
+        (seen,) = np.nonzero(np.isin(beams, self.intervals.beam))
+        ends = np.tile(np.asarray(self.position, dtype=np.float64), (len(beams), 1))
+        ends[seen] = self.far_points(last[seen])
+        occupancy = np.zeros(len(beams), dtype=np.uint8)
+        occupancy[seen] = self.intervals.far_occupancy[last[seen]]
+        return ends, occupancy
+
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Runs:

@@ -10,6 +10,7 @@ from contextlib import asynccontextmanager
 from importlib import resources
 from importlib.metadata import version
 from ipaddress import ip_address
+from socket import socket
 
 import uvicorn
 from fastapi import FastAPI
@@ -20,6 +21,7 @@ from service import problems
 from service.database import Database, open_database
 from service.edge import BodyLimit
 from service.example import make_example
+from service.feed import Feeds
 from service.gate import KeyGate
 from service.maps import Maps
 from service.metrics import CountResponses, Metrics
@@ -76,7 +78,7 @@ def serve(settings: Settings) -> None:
         raise InvalidOptionError("beyond this machine, serve with --keys, or with --open to anyone")
     # to end when asked to is a success; uvicorn alone would let the signal end the process
     signal.signal(signal.SIGTERM, lambda *_: sys.exit(0))
-    uvicorn.run(
+    config = uvicorn.Config(
         create_app(settings, open_database(settings.database)),
         host=settings.host,
         port=settings.port,
@@ -85,6 +87,18 @@ def serve(settings: Settings) -> None:
         access_log=False,
         timeout_graceful_shutdown=STOP_SECONDS_MAX,
     )
+    EndingServer(config).run()
+
+
+class EndingServer(uvicorn.Server):
+    """A server that, told to stop, ends the streams of events; it would else wait for them."""
+
+    async def shutdown(self, sockets: list[socket] | None = None) -> None:
+        """End the feeds, then wait for all other answers."""
+        app = self.config.app
+        if isinstance(app, FastAPI):
+            app.state.feeds.close()
+        await super().shutdown(sockets)
 
 
 def _is_loopback(host: str) -> bool:
@@ -102,7 +116,8 @@ async def _lifespan(app: FastAPI) -> AsyncIterator[None]:
     database: Database = app.state.database
     writer = open_writer(database, settings.queue_max)
     app.state.sessions = Sessions(database, writer, settings, app.state.metrics)
-    app.state.steps = Steps(app.state.sessions, settings, app.state.metrics)
+    app.state.feeds = Feeds(app.state.sessions, settings, app.state.metrics)
+    app.state.steps = Steps(app.state.sessions, app.state.feeds, settings, app.state.metrics)
     app.state.maps = Maps(app.state.sessions, settings)
     try:
         if settings.example is not None:
@@ -112,6 +127,7 @@ async def _lifespan(app: FastAPI) -> AsyncIterator[None]:
         gc.freeze()
         yield
     finally:
+        app.state.feeds.close()
         await app.state.steps.close()
         writer.close()
         database.close()

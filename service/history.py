@@ -7,7 +7,7 @@ from dataclasses import replace
 import orjson
 from sqlalchemy import Connection
 
-from semtopo import MapState, PoseDocument, ScanDocument
+from semtopo import LabelledRuns, MapState, Pose, PoseDocument, Scan, ScanDocument
 from service import store
 from service.hot import HotSession
 from service.stopwatch import Stopwatch
@@ -21,9 +21,22 @@ def state_at(connection: Connection, hot: HotSession, seq: int) -> MapState:
     return state
 
 
+def scan_at(connection: Connection, hot: HotSession, seq: int) -> tuple[Pose, Scan] | None:
+    """Return where the robot was at step `seq` and what it saw; `None` before the first step."""
+    logged = store.find_step(connection, hot.row.number, seq)
+    if logged is None:
+        return None
+    pose, seen = _given(logged)
+    return pose, hot.look(pose, seen, Stopwatch())
+
+
 def _retaken(hot: HotSession, logged: store.LoggedStep) -> MapState:
+    return hot.take(*_given(logged), Stopwatch()).state
+
+
+def _given(logged: store.LoggedStep) -> tuple[Pose, LabelledRuns | None]:
+    """Return what came in with a step."""
     given = orjson.loads(logged.input)
     pose = PoseDocument.model_validate(given["pose"]).value()
     scan = given.get("scan")
-    seen = None if scan is None else ScanDocument.model_validate(scan).value()
-    return hot.take(pose, seen, Stopwatch()).state
+    return pose, None if scan is None else ScanDocument.model_validate(scan).value()

@@ -19,6 +19,7 @@ from semtopo import (
     MappingOptions,
     MapState,
     Pose,
+    Scan,
     Sensor,
     SensorDocument,
     Stage,
@@ -110,17 +111,26 @@ class HotSession:
         """
         if self.map_bytes > MAP_BYTES_MAX:
             raise MapFullError("this map has as many points as it may")
-        if seen is not None:
-            scan = from_runs(pose, seen)
-            watch.ended(Stage.ANALYSIS)
-        elif self.world is not None:
-            scan = scan_world(self.world, self.sensor, pose.position, watch.ended)
-        else:
-            raise NoWorldError("this session has no world to sense, so a step needs a scan")
-        taken = step(self.state, scan, self.options, watch.ended)
+        taken = step(self.state, self.look(pose, seen, watch), self.options, watch.ended)
         if len(taken.state.metric.zones) > MAP_ZONES_MAX:
             raise MapFullError(f"a map has at most {MAP_ZONES_MAX} zones")
         return taken
+
+    def look(self, pose: Pose, seen: LabelledRuns | None, watch: Stopwatch) -> Scan:
+        """Return a scan: of what a real sensor saw, else of the world.
+
+        Raises
+        ------
+        NoWorldError
+            There is neither.
+        """
+        if seen is not None:
+            scan = from_runs(pose, seen)
+            watch.ended(Stage.ANALYSIS)
+            return scan
+        if self.world is None:
+            raise NoWorldError("this session has no world to sense, so a step needs a scan")
+        return scan_world(self.world, self.sensor, pose.position, watch.ended)
 
 
 def entity_tag(session: int, seq: int) -> str:

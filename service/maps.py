@@ -20,8 +20,9 @@ from semtopo import (
     resolve_one,
 )
 from semtopo.codec import graph_body
+from semtopo.exports.sight import sight_body
 from service.errors import UnknownStepError
-from service.history import state_at
+from service.history import scan_at, state_at
 from service.hot import HotSession, entity_tag
 from service.recent import Recent
 from service.sessions import Sessions
@@ -66,6 +67,13 @@ class Maps:
         # passages are never moved nor removed, so an earlier graph is a part of this one
         content = await asyncio.to_thread(lambda: graph_body(hot.state.graph.at(seq), seq))
         return Body(content, entity_tag(hot.row.number, seq))
+
+    async def sight(self, session_id: str, at: int | None) -> Body:
+        """Return what the robot saw at the last step, or at step `at`."""
+        hot = await self._sessions.find(session_id)
+        seq = _checked(at, hot)
+        seen = await self._sessions.read(partial(scan_at, hot=hot, seq=seq))
+        return Body(sight_body(seq, seen), entity_tag(hot.row.number, seq))
 
     async def route(self, session_id: str, source: str, target: str) -> Route:
         """Return the route between two zones, by their names."""

@@ -14,6 +14,7 @@ from fastapi import Header, Path, Query, Request
 from semtopo.codec import Box
 from semtopo.documents import COORDINATE_MAX, LABEL_LENGTH_MAX
 from service.errors import InvalidRequestError
+from service.feed import Feeds
 from service.maps import Maps
 from service.schemas.steps import SEQ_MAX
 from service.sessions import Sessions
@@ -39,6 +40,12 @@ def steps_of(request: Request) -> Steps:
 def maps_of(request: Request) -> Maps:
     """Return the maps of the application."""
     found: Maps = request.app.state.maps
+    return found
+
+
+def feeds_of(request: Request) -> Feeds:
+    """Return the feeds of the application."""
+    found: Feeds = request.app.state.feeds
     return found
 
 

@@ -42,3 +42,6 @@ class Settings(BaseSettings):
 
     queue_max: int = Field(default=1_000, ge=1)
     """How many steps may wait; the next one is asked to come again."""
+
+    readers_max: int = Field(default=2_000, ge=1)
+    """How many readers of events may be connected."""

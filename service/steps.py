@@ -18,6 +18,7 @@ from semtopo.codec import step_document, to_json
 from service import store
 from service.clock import now
 from service.errors import BusyError, StorageError
+from service.feed import Feeds
 from service.hot import HotSession, entity_tag
 from service.metrics import Metrics
 from service.recording import Computed, Recorded, Replayed, StepRequest, record
@@ -52,9 +53,12 @@ class Answer:
 class Steps:
     """The steps of all sessions, taken by one process. For one event loop only."""
 
-    def __init__(self, sessions: Sessions, settings: Settings, metrics: Metrics) -> None:
+    def __init__(
+        self, sessions: Sessions, feeds: Feeds, settings: Settings, metrics: Metrics
+    ) -> None:
         """Begin with no step under way."""
         self._sessions = sessions
+        self._feeds = feeds
         self._metrics = metrics
         self._running: set[asyncio.Task[Any]] = set()
         self._steps_max = settings.queue_max
@@ -110,6 +114,7 @@ class Steps:
                 after = hot.after(computed.step.state, computed.timings_ms["total"])
                 self._metrics.time_stages(computed.timings_ms)
                 self._sessions.keep(after)
+                self._feeds.tell(hot.row.number)
                 return Answer(computed.answer.encode(), after.tag)
             case Replayed(seq, content):
                 return Answer(content.encode(), entity_tag(hot.row.number, seq), replayed=True)

@@ -128,3 +128,19 @@ def test_points_lie_at_their_distances(scene: Scene) -> None:
     ):
         distances = np.linalg.norm(points - np.array(scan.position), axis=1)
         np.testing.assert_allclose(distances, radii, atol=1e-12)
+
+
+@quick
+@given(scene=scenes())
+def test_ends_are_the_last_points_of_the_beams(scene: Scene) -> None:
+    scan = scan_world(scene.world, scene.sensor, scene.walk[0])
+    ends, occupancy = scan.ends()
+    far, intervals = scan.far_points(), scan.intervals
+    for beam in range(len(scan.directions)):
+        (mine,) = np.nonzero(intervals.beam == beam)
+        if len(mine) == 0:
+            assert tuple(ends[beam]) == scan.position
+            assert occupancy[beam] == Occupancy.NONE
+        else:
+            assert (ends[beam] == far[mine[-1]]).all()
+            assert occupancy[beam] == intervals.far_occupancy[mine[-1]]

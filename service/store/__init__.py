@@ -19,6 +19,13 @@ from service.store.maps import (
     load_state,
     save_changes,
 )
+from service.store.progress import (
+    Progress,
+    Taken,
+    find_progress,
+    steps_after,
+    trail_after,
+)
 from service.store.sessions import (
     NewSession,
     SessionHead,
@@ -36,12 +43,15 @@ __all__ = [
     "PAGE_CHARACTERS",
     "LoggedStep",
     "NewSession",
+    "Progress",
     "SessionHead",
     "SessionRow",
+    "Taken",
     "add_session",
     "add_step",
     "advance",
     "delete_session",
+    "find_progress",
     "find_session",
     "find_step",
     "find_step_by_key",
@@ -52,4 +62,6 @@ __all__ = [
     "load_state",
     "page_of_steps",
     "save_changes",
+    "steps_after",
+    "trail_after",
 ]

@@ -10,7 +10,9 @@ import httpx2
 import pytest
 from pydantic import BaseModel
 
+from semtopo.documents import WorldDocument
 from service.schemas.answers import RouteAnswer
+from service.schemas.live import SightAnswer, TrailAnswer
 from service.schemas.maps import BordersAnswer, DoorwaysAnswer, GraphAnswer, ZonesAnswer
 from service.schemas.operations import HealthAnswer
 from service.schemas.problems import ProblemAnswer
@@ -62,6 +64,11 @@ def assert_fits(body: bytes, model: type[BaseModel]) -> None:
         ("/doorways?at=0", DoorwaysAnswer, GEOJSON),
         ("/steps", StepsAnswer, "application/json"),
         ("/steps?after=7&limit=1", StepsAnswer, "application/json"),
+        ("/trail", TrailAnswer, "application/json"),
+        ("/trail?after=2&limit=3", TrailAnswer, "application/json"),
+        ("/scan", SightAnswer, "application/json"),
+        ("/scan?at=0", SightAnswer, "application/json"),
+        ("/world", WorldDocument, "application/json"),
         ("/route?from=corridor&to=A", RouteAnswer, "application/json"),
         ("/route?from=A&to=A", RouteAnswer, "application/json"),
     ],
@@ -273,6 +280,8 @@ def test_the_description_names_every_call(server: Server) -> None:
         ("post", f"{below}/step"), ("get", f"{below}/steps"), ("get", f"{below}/graph"),
         ("get", f"{below}/zones"), ("get", f"{below}/route"), ("post", f"{below}/query"),
         ("get", f"{below}/borders"), ("get", f"{below}/doorways"),
+        ("get", f"{below}/events"), ("get", f"{below}/trail"), ("get", f"{below}/scan"),
+        ("get", f"{below}/world"),
         ("get", "/healthz"), ("get", "/readyz"), ("get", "/metrics"),
     }  # fmt: skip
 

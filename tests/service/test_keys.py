@@ -14,7 +14,7 @@ from tests.service.twin import at
 CALLS = [
     ("GET", ""), ("DELETE", ""), ("GET", "/graph"), ("GET", "/zones"), ("GET", "/borders"),
     ("GET", "/doorways"), ("GET", "/steps"), ("GET", "/route?from=a&to=b"), ("POST", "/step"),
-    ("POST", "/query"),
+    ("POST", "/query"), ("GET", "/trail"), ("GET", "/scan"), ("GET", "/world"),
 ]  # fmt: skip
 
 

@@ -16,6 +16,7 @@ from sqlalchemy import Connection
 from semtopo.codec import zones_body
 from service.database import open_database
 from service.errors import StorageError
+from service.feed import Feeds
 from service.maps import Maps
 from service.metrics import Metrics
 from service.recording import StepRequest
@@ -80,7 +81,8 @@ def opened(url: str) -> Iterator[Service]:
     settings, metrics, database = Settings(), Metrics(), open_database(url)
     writer = FailingWriter(open_writer(database, settings.queue_max))
     sessions = Sessions(database, writer, settings, metrics)
-    yield Service(sessions, Steps(sessions, settings, metrics), Maps(sessions, settings), writer)
+    steps = Steps(sessions, Feeds(sessions, settings, metrics), settings, metrics)
+    yield Service(sessions, steps, Maps(sessions, settings), writer)
     writer.close()
     database.close()
 
