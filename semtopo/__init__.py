@@ -65,9 +65,14 @@ from semtopo.errors import (
     MissingPassage,
     NearestFrontier,
     NoRouteError,
+    NotConnectedError,
+    OutsideError,
     SemtopoError,
+    TooNarrowError,
     UnknownZoneError,
+    UnprovedPathError,
 )
+from semtopo.freespace import FreeSpace, Path
 from semtopo.graph import Node, NodeFound, Passage, PassageFound, TopologyGraph
 from semtopo.mapper import MapState, Stage, Step, explore, run, scan_world, step
 from semtopo.metric import MappedZone, MetricMap
@@ -89,6 +94,7 @@ __all__ = [
     "Doorway",
     "Doorways",
     "Edges",
+    "FreeSpace",
     "InvalidInputError",
     "InvalidMapError",
     "InvalidOptionError",
@@ -114,9 +120,12 @@ __all__ = [
     "NoRouteError",
     "Node",
     "NodeFound",
+    "NotConnectedError",
     "Occupancy",
+    "OutsideError",
     "Passage",
     "PassageFound",
+    "Path",
     "PathAnswer",
     "Place",
     "Pose",
@@ -133,8 +142,10 @@ __all__ = [
     "SensorMap",
     "Stage",
     "Step",
+    "TooNarrowError",
     "TopologyGraph",
     "UnknownZoneError",
+    "UnprovedPathError",
     "World",
     "WorldDocument",
     "WorldZone",

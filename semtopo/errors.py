@@ -13,7 +13,11 @@
     │   └── InvalidRestrictionError
     ├── UnknownZoneError: no zone of the map has that name
     ├── AmbiguousZoneError: a name means several zones where one is asked for
-    └── NoRouteError: both zones are known, but no passage leads on
+    ├── NoRouteError: both zones are known, but no passage leads on
+    ├── OutsideError: a place is not in free space
+    ├── TooNarrowError: there is a way, but not for a robot of that radius
+    ├── NotConnectedError: two places lie in parts of free space that do not meet
+    └── UnprovedPathError: a path failed its check, and was not handed out
 
 Each leaf has a `code` that never changes: programs may depend on it. The text is for people, and
 never repeats what came in at length.
@@ -21,14 +25,19 @@ never repeats what came in at length.
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import ClassVar
 
 
 class SemtopoError(Exception):
-    """Any error of this package; `code` names it for programs."""
+    """Any error of this package; `code` names it for programs.
+
+    `facts` are what a program may want to know besides, as JSON values by name.
+    """
 
     code: ClassVar[str] = "semtopo_error"
+    facts: Mapping[str, object] = {}
 
 
 class InvalidInputError(SemtopoError, ValueError):
@@ -162,3 +171,51 @@ class NoRouteError(SemtopoError):
         self.reaching = reaching
         self.missing = missing
         self.frontier = frontier
+
+
+class OutsideError(SemtopoError):
+    """A place is not in free space, or nearer to its border than the robot's radius.
+
+    `end` is "start" or "goal"; `nearest` is the nearest place where the robot may be, in m, map
+    frame, None if there is none.
+    """
+
+    code: ClassVar[str] = "outside_free_space"
+
+    def __init__(self, end: str, nearest: tuple[float, float] | None, why: str) -> None:
+        """Say which end of a path is meant, and why it cannot be one."""
+        super().__init__(f"the {end} {why}")
+        self.end, self.nearest = end, nearest
+        self.facts = {"end": end, "nearest": nearest}
+
+
+class TooNarrowError(SemtopoError):
+    """Free space leads from start to goal, but nowhere wide enough for the robot.
+
+    Of all ways the widest is meant: `point` is its narrowest place in m, map frame; there it is
+    `width` wide, and must be `needed` wide, in m.
+    """
+
+    code: ClassVar[str] = "too_narrow"
+
+    def __init__(self, point: tuple[float, float], width: float, needed: float) -> None:
+        """Say where it is too narrow, and by how much."""
+        x, y = point
+        super().__init__(
+            f"the widest way is {width:.3f} m wide at ({x:.3f}, {y:.3f}), and the robot needs"
+            f" {needed:.3f} m"
+        )
+        self.point, self.width, self.needed = point, width, needed
+        self.facts = {"point": point, "width": width, "needed": needed}
+
+
+class NotConnectedError(SemtopoError):
+    """Start and goal lie in parts of free space that do not meet."""
+
+    code: ClassVar[str] = "not_connected"
+
+
+class UnprovedPathError(SemtopoError):
+    """A path did not pass the check that it keeps to free space: a fault of ours."""
+
+    code: ClassVar[str] = "unproved_path"

@@ -57,6 +57,15 @@ def nearest_point(region: Region, position: Point) -> Point:
     return (float(x), float(y))
 
 
+def widest_place(region: Region) -> Point:
+    """Return the place of a region that is farthest from its border, within 1 % of its extent.
+
+    It is the centre of the largest circle inside (of any part), and always inside.
+    """
+    x, y = shapely.get_coordinates(shapely.maximum_inscribed_circle(region))[0]
+    return (float(x), float(y))
+
+
 def count_vertices(region: Region) -> int:
     """Return how many vertices a region has; the first of a ring counts twice, as its last."""
     return int(shapely.get_num_coordinates(region))
@@ -64,9 +73,9 @@ def count_vertices(region: Region) -> int:
 
 def vertex_flags(points: Floats, region: Region) -> Flags:
     """Say of each of (n, 2) points whether it is, to the last bit, a vertex of a region."""
-    return np.isin(_as_complex(points), _as_complex(shapely.get_coordinates(region)))
+    return np.isin(as_complex(points), as_complex(shapely.get_coordinates(region)))
 
 
-def _as_complex(points: Floats) -> np.ndarray[tuple[int], np.dtype[np.complex128]]:
-    """Return (n, 2) points as n complex numbers, so that a point can be compared as one value."""
+def as_complex(points: Floats) -> np.ndarray[tuple[int], np.dtype[np.complex128]]:
+    """Return (..., 2) points as a row of complex numbers: a point can be compared as one value."""
     return np.ascontiguousarray(points, dtype=np.float64).view(np.complex128).reshape(-1)

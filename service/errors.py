@@ -40,6 +40,7 @@ class SequenceGapError(SemtopoError):
         """Name the `seq` that may come next."""
         super().__init__(f"the next step of this session is {expected}")
         self.expected = expected
+        self.facts = {"expected": expected}
 
 
 class SequenceReusedError(SemtopoError):

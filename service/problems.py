@@ -21,8 +21,12 @@ from semtopo.errors import (
     InvalidInputError,
     InvalidMapError,
     NoRouteError,
+    NotConnectedError,
+    OutsideError,
     SemtopoError,
+    TooNarrowError,
     UnknownZoneError,
+    UnprovedPathError,
 )
 from service.errors import (
     BusyError,
@@ -49,6 +53,10 @@ STATUS: dict[type[SemtopoError], int] = {
     UnknownKeyError: 404,
     AmbiguousZoneError: 409,
     NoRouteError: 409,
+    OutsideError: 409,
+    TooNarrowError: 409,
+    NotConnectedError: 409,
+    UnprovedPathError: 500,
     NoWorldError: 409,
     MapFullError: 409,
     SequenceGapError: 409,
@@ -129,9 +137,8 @@ async def _domain_problem(_request: Request, error: Exception) -> Problem:
 def problem_of(error: SemtopoError) -> Problem:
     """Return an error as a problem."""
     status = status_of(type(error))
-    more = {"expected": error.expected} if isinstance(error, SequenceGapError) else {}
     headers = _HEADERS.get(status)
-    return Problem(status, error.code, str(error), headers, **more)
+    return Problem(status, error.code, str(error), headers, **error.facts)
 
 
 async def _request_problem(_request: Request, error: Exception) -> Problem:

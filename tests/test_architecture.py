@@ -15,7 +15,9 @@ import semtopo
 ROOT = Path(__file__).parents[1]
 
 LAYERS = [
-    {"errors"}, {"types"}, {"geometry", "window"}, {"world"}, {"sensor"}, {"scan"},
+    {"errors"}, {"types"}, {"geometry", "window"},
+    {"inset", "triangulation", "world"}, {"taut"}, {"bottleneck"}, {"freespace"},
+    {"sensor"}, {"scan"},
     {"doorways", "runs"},
     {"zones"}, {"metric"}, {"borders", "graph"}, {"mapper"}, {"atlas"},
     {"names", "route"}, {"query"},
