@@ -73,7 +73,15 @@ from semtopo.errors import (
     UnprovedPathError,
 )
 from semtopo.freespace import FreeSpace, Path
-from semtopo.graph import Node, NodeFound, Passage, PassageFound, TopologyGraph
+from semtopo.graph import (
+    Node,
+    NodeFound,
+    NodeMerged,
+    Passage,
+    PassageFound,
+    PassageJoined,
+    TopologyGraph,
+)
 from semtopo.mapper import MapState, Stage, Step, explore, run, scan_world, step
 from semtopo.metric import MappedZone, MetricMap
 from semtopo.names import closest_names, resolve, resolve_class, resolve_one
@@ -82,7 +90,7 @@ from semtopo.route import CostModel, Place, Route, RouteRequest, find_routes, wi
 from semtopo.runs import LabelledRuns, from_runs
 from semtopo.scan import Scan, analyse
 from semtopo.sensor import Measurement, Sensor, measure
-from semtopo.types import Edges, Kind, MappingOptions, Occupancy, Pose
+from semtopo.types import Edges, Identity, Kind, MappingOptions, Occupancy, Passages, Pose
 from semtopo.world import World, WorldZone
 from semtopo.zones import SensorMap, Zone, extract
 
@@ -95,6 +103,7 @@ __all__ = [
     "Doorways",
     "Edges",
     "FreeSpace",
+    "Identity",
     "InvalidInputError",
     "InvalidMapError",
     "InvalidOptionError",
@@ -120,11 +129,14 @@ __all__ = [
     "NoRouteError",
     "Node",
     "NodeFound",
+    "NodeMerged",
     "NotConnectedError",
     "Occupancy",
     "OutsideError",
     "Passage",
     "PassageFound",
+    "PassageJoined",
+    "Passages",
     "Path",
     "PathAnswer",
     "Place",

@@ -16,7 +16,16 @@ from shapely import Polygon
 
 from semtopo.errors import InvalidMapError
 from semtopo.geometry import Region
-from semtopo.graph import Event, Node, NodeFound, Passage, TopologyGraph
+from semtopo.graph import (
+    Event,
+    Node,
+    NodeFound,
+    NodeMerged,
+    Passage,
+    PassageFound,
+    PassageJoined,
+    TopologyGraph,
+)
 from semtopo.mapper import MapState, Step
 from semtopo.metric import MappedZone, MetricMap
 from semtopo.query import PathAnswer
@@ -48,37 +57,45 @@ def zones_body(state: MapState, box: Box | None = None) -> bytes:
 def graph_body(graph: TopologyGraph, seq: int) -> bytes:
     """Return a graph as it is after step `seq`: nodes, and edges with their passage points."""
     nodes = [{"id": node.zone_id, "label": node.label} for node in graph.nodes.values()]
-    edges = [
-        {"source": edge.source, "target": edge.target, "point": edge.point, "seq": edge.seq}
-        for edge in graph.passages.values()
-    ]
+    edges = [{**passage_document(edge), "seq": edge.seq} for edge in graph.passages.values()]
     return to_json({"seq": seq, "nodes": nodes, "edges": edges})
 
 
 def step_document(step: Step) -> Document:
     """Return what a step answers, but for the time that it took."""
     events = [event_document(event) for event in step.events]
-    return {"seq": step.state.seq, "here": step.here, "events": events}
+    return {
+        "seq": step.state.seq, "here": step.here, "zone_id": step.state.here, "events": events,
+    }  # fmt: skip
 
 
 def event_document(event: Event) -> Document:
     """Return one finding of a step."""
-    if isinstance(event, NodeFound):
-        return {"type": "node", "label": event.label, "zone_id": event.zone_id}
-    return {"type": "edge", "source": event.source, "target": event.target, "point": event.point}
+    match event:
+        case NodeFound():
+            return {"type": "node", "label": event.label, "zone_id": event.zone_id}
+        case PassageFound():
+            return {"type": "edge", **passage_document(event)}
+        case NodeMerged():
+            return {"type": "merge", "zone_id": event.zone_id, "into": event.into}
+        case PassageJoined():
+            ends = {"source": event.source, "target": event.target}
+            return {"type": "join", **ends, "n": event.number, "into": event.into}
+
+
+def passage_document(passage: Passage | PassageFound) -> Document:
+    """Return a passage: its ends and its point, and `n`, its number, where that is not 0."""
+    document = {"source": passage.source, "target": passage.target, "point": passage.point}
+    return {**document, "n": passage.number} if passage.number else document
 
 
 def route_document(route: Route) -> Document:
     """Return a route: its zones, its passages with their points, its length in m."""
-    passages = [
-        {"source": passage.source, "target": passage.target, "point": passage.point}
-        for passage in route.passages
-    ]
     return {
         "source": route.source,
         "target": route.target,
         "zones": route.zones,
-        "passages": passages,
+        "passages": [passage_document(passage) for passage in route.passages],
         "length": route.length,
     }
 
@@ -166,9 +183,12 @@ def _map_from(zones: Mapping[str, Any], graph: Mapping[str, Any]) -> MapState:
     mapped = {feature["id"]: _zone_from(feature) for feature in zones["features"]}
     nodes = {node["id"]: _node_from(node, mapped) for node in graph["nodes"]}
     edges = [
-        Passage(edge["source"], edge["target"], (edge["point"][0], edge["point"][1]), edge["seq"])
+        Passage(
+            edge["source"], edge["target"], (edge["point"][0], edge["point"][1]), edge["seq"],
+            edge.get("n", 0),
+        )
         for edge in graph["edges"]
-    ]
+    ]  # fmt: skip
     passages = {edge.key: edge for edge in edges}
     ends = {end for edge in edges for end in (edge.source, edge.target)}
     if ends - set(nodes) or set(mapped) != set(nodes):

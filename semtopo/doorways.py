@@ -8,7 +8,7 @@ by their names alone.
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from typing import TypeAlias
 
@@ -17,7 +17,8 @@ import shapely
 
 from semtopo.geometry import NO_AREA, Polygons, Region, union
 from semtopo.scan import Scan
-from semtopo.types import Integers
+from semtopo.strips import Strips
+from semtopo.types import NOWHERE, Integers, SeenName
 
 DOORWAY_OVERLAP = 0.05
 """m; so far a doorway reaches into the zones on both sides, where they are as deep. So its union
@@ -28,21 +29,27 @@ DOORWAY_GAIN = 1e-3
 """m^2, ten square centimetres: what a scan must add to a known doorway to change it. Each place
 sees slightly more of a jamb; without a limit, a doorway would change with every step."""
 
+Ends: TypeAlias = tuple[str, str]
+"""The zone ids at both ends of a doorway, the lesser first."""
+
 DoorwayKey: TypeAlias = tuple[str, str, int]
 """The zone ids at both ends, the lesser first, and which of the doorways between them, from 0."""
 
 
+NO_POLYGONS: Polygons = np.empty(0, dtype=np.object_)
+
+
 @dataclass(frozen=True, slots=True, eq=False)
 class SeenDoorways:
-    """Pieces of doorways that one scan shows between two zones, by their labels.
+    """Pieces of doorways that one scan shows between two zones, by their names in the scan.
 
     `pieces` (n,) are the quadrilaterals between neighbouring beams that both went from `source`
     through one passage, or directly, to `target`; `entered` (n,) are the strips of the target that
     they entered there.
     """
 
-    source: str
-    target: str
+    source: SeenName
+    target: SeenName
     pieces: Polygons
     entered: Polygons
 
@@ -56,7 +63,7 @@ class Doorway:
     doorway, `seq` the last step that changed it.
     """
 
-    ends: tuple[str, str]
+    ends: Ends
     number: int
     region: Region
     since: int
@@ -97,21 +104,35 @@ class Doorways(Mapping[DoorwayKey, Doorway]):
 
     def between(self, one: str, other: str) -> list[Doorway]:
         """Return the doorways between two zones, by their numbers."""
-        keys = _keys(self.known, self.former, _ends(one, other))
+        keys = _keys(self.known, self.former, ends_of(one, other))
         return [self.known[key] for key in keys if key in self.known]
 
-    def grown(self, one: str, other: str, pieces: Polygons, seq: int) -> Doorways:
-        """Return the doorways with pieces seen between two zones; itself where that adds little."""
-        near = self.between(one, other)
-        fresh = _fresh(pieces, near)
-        if len(fresh) == 0:
+    def updated(
+        self, seen: Iterable[tuple[Ends, Polygons]], merges: Mapping[str, str], seq: int
+    ) -> Doorways:
+        """Return the doorways with pieces that a scan shows between zones of the map.
+
+        Zones are merged into others, from the first id to the second, and their doorways move over.
+        What adds little changes nothing; where nothing changes, it is this very object.
+        """
+        moving = self._moving(merges)
+        fresh = {ends: _fresh(parts, self.between(*ends)) for ends, parts in _by_ends(seen).items()}
+        if not moving and not any(map(len, fresh.values())):
             return self
-        known, former = dict(self.known), dict(self.former)
-        for part in shapely.get_parts(union(fresh)):
-            if part.area > NO_AREA:
-                _settle(known, former, Doorway(_ends(one, other), 0, part, since=seq, seq=seq))
-        grew = len(known) > len(self.known) or any(known.get(it.key) is not it for it in near)
-        return Doorways(known, former) if grew else self
+        known = {key: door for key, door in self.known.items() if key not in moving}
+        former = dict(self.former)
+        for ends in dict.fromkeys([*moving.values(), *fresh]):
+            movers = [self.known[key] for key, new in moving.items() if new == ends]
+            _arrive(known, former, ends, movers, fresh.get(ends, NO_POLYGONS), seq)
+        changed = Doorways(known, former)
+        return changed if moving or changed.changed_since(self) else self
+
+    def _moving(self, merges: Mapping[str, str]) -> dict[DoorwayKey, Ends]:
+        """Return the keys of doorways whose ends are no more, and the ends that they get."""
+        if not merges:
+            return {}
+        ends = {key: ends_of(*(merges.get(end, end) for end in key[:2])) for key in self.known}
+        return {key: new for key, new in ends.items() if new != key[:2]}
 
     def changed_since(self, older: Doorways) -> list[Doorway]:
         """Return the doorways that differ from those of an older map."""
@@ -119,32 +140,31 @@ class Doorways(Mapping[DoorwayKey, Doorway]):
 
 
 def seen_doorways(
-    scan: Scan, left: Integers, right: Integers, strips: Polygons
+    scan: Scan, strips: Strips, owner: Integers, names: Sequence[SeenName]
 ) -> list[SeenDoorways]:
-    """Return the pieces of doorways of a scan, by source and target.
+    """Return the pieces of doorways of a scan, by target and source.
 
-    In come all strips, (n,) each: the interval on the beam before, that on the beam after, and
-    their polygon. Between two strips that follow on the same two beams lies a piece of a doorway.
+    `owner` says of each interval in which of the zones it lies, whose names are given, or `NOWHERE`
+    (intervals,). A piece lies between two strips of zones that follow on the same two beams.
     """
-    spans = scan.intervals
-    source, target = spans.source[left], spans.label[left]
-    codes = left * len(spans) + right
-    (entered,) = np.nonzero(
-        (source >= 0) & (source == spans.source[right]) & np.isin(codes - len(spans) - 1, codes)
-    )
+    entered = strips.entering(scan)
+    if len(entered) == 0:
+        return []
+    left, right, size = strips.left, strips.right, len(scan.intervals)
+    source, target = owner[left[entered] - 1], owner[left[entered]]
+    codes = left * size + right
+    known = np.isin(codes[entered] - size - 1, codes) & (source != NOWHERE) & (target != NOWHERE)
+    entered, pairs = entered[known], (target * len(names) + source)[known]
     if len(entered) == 0:
         return []
     pieces = _pieces(scan, left[entered], right[entered])
-    count = len(scan.labels)
-    pairs, number = np.unique(source[entered] * count + target[entered], return_inverse=True)
-    found = [
+    return [
         SeenDoorways(
-            scan.labels[pair // count], scan.labels[pair % count],
-            pieces[number == place], strips[entered[number == place]],
+            names[pair % len(names)], names[pair // len(names)],
+            pieces[pairs == pair], strips.shapes[entered[pairs == pair]],
         )
-        for place, pair in enumerate(pairs.tolist())
+        for pair in np.unique(pairs).tolist()
     ]  # fmt: skip
-    return sorted(found, key=lambda seen: (seen.source, seen.target))
 
 
 def _pieces(scan: Scan, left: Integers, right: Integers) -> Polygons:
@@ -161,14 +181,24 @@ def _pieces(scan: Scan, left: Integers, right: Integers) -> Polygons:
     return np.asarray(shapely.polygons(np.stack(corners, axis=1)), dtype=np.object_)
 
 
-def _ends(one: str, other: str) -> tuple[str, str]:
-    return (min(one, other), max(one, other))
+def ends_of(one: str, other: str) -> Ends:
+    """Return two zone ids as the ends of a doorway: the lesser first."""
+    return (one, other) if one <= other else (other, one)
+
+
+def _by_ends(seen: Iterable[tuple[Ends, Polygons]]) -> dict[Ends, Polygons]:
+    """Return pieces by the two zones that they lie between, whichever is the source."""
+    found: dict[Ends, list[Polygons]] = {}
+    for (source, target), pieces in seen:
+        found.setdefault(ends_of(source, target), []).append(pieces)
+    return {
+        ends: parts[0] if len(parts) == 1 else np.concatenate(parts)
+        for ends, parts in found.items()
+    }
 
 
 def _keys(
-    known: Mapping[DoorwayKey, Doorway],
-    former: Mapping[DoorwayKey, DoorwayKey],
-    ends: tuple[str, str],
+    known: Mapping[DoorwayKey, Doorway], former: Mapping[DoorwayKey, DoorwayKey], ends: Ends
 ) -> Iterator[DoorwayKey]:
     """Yield the keys between two zones that were ever in use, by their numbers."""
     number = 0
@@ -188,22 +218,45 @@ def _fresh(pieces: Polygons, near: list[Doorway]) -> Polygons:
     return pieces
 
 
+def _arrive(
+    known: dict[DoorwayKey, Doorway],
+    former: dict[DoorwayKey, DoorwayKey],
+    ends: Ends,
+    movers: list[Doorway],
+    pieces: Polygons,
+    seq: int,
+) -> None:
+    """Put into the doorways between two zones those that move there, and pieces just seen."""
+    regions = [*(door.region for door in movers), *pieces]
+    if not regions:
+        return
+    for part in shapely.get_parts(union(np.array(regions, dtype=np.object_))):
+        if part.area > NO_AREA:
+            within = [door for door in movers if door.region.intersects(part)]
+            since = min((door.since for door in within), default=seq)
+            key = _settle(known, former, Doorway(ends, 0, part, since, seq))
+            for door in within:
+                former.setdefault(door.key, key)
+
+
 def _settle(
-    known: dict[DoorwayKey, Doorway], former: dict[DoorwayKey, DoorwayKey], new: Doorway
+    known: dict[DoorwayKey, Doorway], former: dict[DoorwayKey, DoorwayKey], part: Doorway
 ) -> DoorwayKey:
-    """Put a piece into known doorways, by its ends: return the key of what it became part of."""
-    keys = list(_keys(known, former, new.ends))
-    touched = [
-        known[key] for key in keys if key in known and known[key].region.intersects(new.region)
-    ]
+    """Add a part to the doorway that it touches, or as a new one; return that one's key.
+
+    Where it touches several, they become one.
+    """
+    keys = list(_keys(known, former, part.ends))
+    near = [known[key] for key in keys if key in known]
+    touched = [door for door in near if door.region.intersects(part.region)]
     if not touched:
-        made = replace(new, number=len(keys))
+        made = replace(part, number=len(keys))
         known[made.key] = made
         return made.key
     first, *others = touched
-    region = union(np.array([new.region, *(door.region for door in touched)], dtype=np.object_))
+    region = union(np.array([it.region for it in (part, *touched)], dtype=np.object_))
     if others or region.area - first.region.area > DOORWAY_GAIN:
-        known[first.key] = replace(first, region=region, seq=new.seq)
+        known[first.key] = replace(first, region=region, seq=part.seq)
     for door in others:
         del known[door.key]
         former[door.key] = first.key

@@ -7,6 +7,7 @@ from __future__ import annotations
 
 from typing import TypeAlias
 
+import networkx as nx
 import numpy as np
 import shapely
 from numpy.typing import NDArray
@@ -21,6 +22,10 @@ Polygons: TypeAlias = NDArray[np.object_]
 
 NO_AREA = 1e-9
 """m^2; a square of 0.03 mm: what remains when a strip collapses to a line, not a place."""
+
+
+TOUCH = 1e-9
+"""m; places no further apart are one: far above what rounding does, far below any wall."""
 
 
 def polygonal(geometry: BaseGeometry) -> Region:
@@ -45,6 +50,26 @@ def fuse(region: Region, addition: Region) -> Region:
     """Return the union of two regions, or the first itself where the second adds no area (R12)."""
     fused = polygonal(shapely.union(region, addition))
     return fused if fused.area - region.area > NO_AREA else region
+
+
+def groups_touching(probes: Polygons, others: Polygons | None = None) -> list[list[int]]:
+    """Return the groups of regions that touch each other, directly or by way of others.
+
+    Each group holds places, ascending: first those of the probes, then those of the others. Each
+    holds a probe, and others only as far as probes touch them; groups are in order of their probes.
+    """
+    regions = probes if others is None else np.concatenate([probes, others])
+    pairs = shapely.STRtree(regions).query(probes, predicate="dwithin", distance=TOUCH)
+    found = nx.connected_components(nx.Graph(pairs.T.tolist()))
+    return sorted(sorted(group) for group in found)
+
+
+def apart(region: Region) -> list[Region]:
+    """Return the places of a region that do not touch each other."""
+    parts = shapely.get_parts(region)
+    if len(parts) == 1:
+        return [region]
+    return [union(parts[group]) for group in groups_touching(parts)]
 
 
 def nearest_point(region: Region, position: Point) -> Point:

@@ -1,19 +1,18 @@
 """The topology graph M_s: which zones are linked, and where one passes (Alg. 3, V and E).
 
-In come the zones and links of one scan; out goes a new graph and what is new in it. Edges are
-directed; they are never moved and never removed (R10).
+Edges are directed. A passage stays where it is (R10); only where zones or doorways prove to be one
+do nodes and passages go, and then the graph still knows them as they were. How it grows is the
+business of `findings`.
 """
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, field
 from types import MappingProxyType
-from typing import TypeAlias
+from typing import TypeAlias, TypeVar, cast
 
-from semtopo.metric import here_first
 from semtopo.types import Point
-from semtopo.zones import Link, SensorMap
 
 PassageKey: TypeAlias = tuple[str, str, int]
 """Zone ids of source and target, and which of the passages between them, from 0."""
@@ -33,7 +32,8 @@ class Passage:
     """A directed edge E(s_r, s_u, p_u): from zone `source` to zone `target` at `point`.
 
     The point is in m, map frame; `seq` is the step that found the edge. `number` tells parallel
-    passages between the same two zones apart, from 0.
+    passages between the same two zones apart: with all of them (R10) it is that of their doorway,
+    else 0. `moved` is the step since which the passage has its key, if that came later.
     """
 
     source: str
@@ -41,11 +41,24 @@ class Passage:
     point: Point
     seq: int
     number: int = 0
+    moved: int = 0
 
     @property
     def key(self) -> PassageKey:
         """What names the passage in its graph."""
         return (self.source, self.target, self.number)
+
+
+@dataclass(frozen=True, slots=True)
+class Gone:
+    """A node or a passage that is no more since step `until`; `rank` is its place among all.
+
+    All are those that are and those that were, in order of finding.
+    """
+
+    was: Node | Passage
+    rank: int
+    until: int
 
 
 @dataclass(frozen=True, slots=True)
@@ -63,17 +76,45 @@ class PassageFound:
     source: str
     target: str
     point: Point
+    number: int = 0
 
 
-Event: TypeAlias = NodeFound | PassageFound
+@dataclass(frozen=True, slots=True)
+class NodeMerged:
+    """A zone proved to be part of another (R14): its passages are now those of zone `into`.
+
+    Passages between the two are gone, and so are those that zone `into` had already.
+    """
+
+    zone_id: str
+    into: str
+
+
+@dataclass(frozen=True, slots=True)
+class PassageJoined:
+    """A passage proved to be the one with number `into` (R10), be it known already or not."""
+
+    source: str
+    target: str
+    number: int
+    into: int
+
+
+Item = TypeVar("Item", Node, Passage)
+
+Event: TypeAlias = NodeFound | PassageFound | NodeMerged | PassageJoined
 
 
 @dataclass(frozen=True, slots=True, eq=False)
 class TopologyGraph:
-    """The graph M_s: nodes by zone id and passages by their keys, in order of finding."""
+    """The graph M_s: nodes by zone id and passages by their keys, in order of finding.
+
+    `gone` are the nodes and passages that were there at earlier steps.
+    """
 
     nodes: Mapping[str, Node] = field(default_factory=dict)
     passages: Mapping[PassageKey, Passage] = field(default_factory=dict)
+    gone: tuple[Gone, ...] = ()
 
     def __post_init__(self) -> None:
         """Let nobody change nodes and passages from here on."""
@@ -87,38 +128,31 @@ class TopologyGraph:
 
     def at(self, seq: int) -> TopologyGraph:
         """Return the graph as it was after step `seq`."""
-        nodes = {key: node for key, node in self.nodes.items() if node.seq <= seq}
-        passages = {key: edge for key, edge in self.passages.items() if edge.seq <= seq}
-        return TopologyGraph(nodes, passages)
+        nodes = {
+            node.zone_id: node
+            for node, until in self.every_node()
+            if node.seq <= seq and (until is None or seq < until)
+        }
+        passages = {
+            edge.key: edge
+            for edge, until in self.every_passage()
+            if max(edge.seq, edge.moved) <= seq and (until is None or seq < until)
+        }
+        return TopologyGraph(nodes, passages, tuple(it for it in self.gone if it.until <= seq))
 
-    def extended(self, sensor_map: SensorMap, seq: int) -> tuple[TopologyGraph, tuple[Event, ...]]:
-        """Return the graph with the findings of one scan, and the events in Algorithm 3's order.
+    def every_node(self) -> list[tuple[Node, int | None]]:
+        """Return the nodes that are and were, in order of finding, and since when they are not."""
+        return _every(self.nodes.values(), [it for it in self.gone if isinstance(it.was, Node)])
 
-        A passage is new only if its pair of zones had none (R10).
-        """
-        nodes, passages = dict(self.nodes), dict(self.passages)
-        events: list[Event] = []
-        for label, links in _in_order(sensor_map):
-            if label not in nodes:  # Alg. 3, l. 10 and 26
-                nodes[label] = Node(label, label, seq)
-                events.append(NodeFound(label, label))
-            for link in links:
-                pair = (link.source, link.target)
-                if (*pair, 0) not in passages:  # Alg. 3, l. 19-22 and 27
-                    point = link.nearest_point(sensor_map.position)
-                    found = Passage(*pair, point, seq)
-                    passages[found.key] = found
-                    events.append(PassageFound(*pair, point))
-        if not events:
-            return self, ()
-        return TopologyGraph(nodes, passages), tuple(events)
+    def every_passage(self) -> list[tuple[Passage, int | None]]:
+        """Return the passages that are and were, as `every_node` does."""
+        gone = [it for it in self.gone if isinstance(it.was, Passage)]
+        return _every(self.passages.values(), gone)
 
 
-def _in_order(sensor_map: SensorMap) -> Iterator[tuple[str, list[Link]]]:
-    """Yield each label with the links that are complete once it is known (Alg. 3, l. 13-29)."""
-    labels = [zone.label for zone in here_first(sensor_map)]
-    rank = {label: number for number, label in enumerate(labels)}
-    completed: dict[str, list[Link]] = {label: [] for label in labels}
-    for link in sensor_map.links:
-        completed[max(link.source, link.target, key=rank.__getitem__)].append(link)
-    yield from completed.items()
+def _every(present: Iterable[Item], gone: Iterable[Gone]) -> list[tuple[Item, int | None]]:
+    """Return what is and what was, in order of finding, and since when it is no more."""
+    every: list[tuple[Item, int | None]] = [(item, None) for item in present]
+    for former in sorted(gone, key=lambda it: it.rank):
+        every.insert(former.rank, (cast(Item, former.was), former.until))
+    return every

@@ -10,8 +10,10 @@ from collections.abc import Callable, Iterable, Iterator
 from dataclasses import dataclass, field
 from enum import StrEnum
 
+from semtopo.findings import extend
 from semtopo.graph import Event, TopologyGraph
 from semtopo.metric import MetricMap
+from semtopo.placement import place
 from semtopo.scan import Scan, analyse
 from semtopo.sensor import Sensor, measure
 from semtopo.types import MappingOptions, Point
@@ -90,11 +92,11 @@ def step(
     seq = state.seq + 1
     sensor_map = extract(scan, options)
     ended(Stage.EXTRACTION)
-    metric = state.metric.fused(sensor_map, seq)
+    placed = place(state.metric, sensor_map, options.identity, seq)
     ended(Stage.MAP_UPDATE)
-    graph, events = state.graph.extended(sensor_map, seq)
+    graph, events = extend(state.graph, placed, seq, options.passages)
     ended(Stage.GRAPH_UPDATE)
-    after = MapState(seq, metric, graph, scan.position, sensor_map.here)
+    after = MapState(seq, placed.metric, graph, scan.position, placed.here)
     return Step(after, sensor_map.here, events)
 
 

@@ -12,6 +12,7 @@ from types import MappingProxyType
 
 from semtopo.doorways import Doorways
 from semtopo.geometry import Region, fuse
+from semtopo.types import SeenName
 from semtopo.zones import Border, SensorMap, Zone
 
 
@@ -35,30 +36,43 @@ class MappedZone:
 class MetricMap:
     """The metric map M_m: zones by `zone_id`, in the order in which they were found.
 
-    What is known to be free is the zones and the `doorways` between them.
+    What is known to be free is the zones and the `doorways` between them. `former` leads from the
+    ids of zones that are no more to those of the zones that they became part of (R14); such an id
+    is never used again.
     """
 
     zones: Mapping[str, MappedZone] = field(default_factory=dict)
     doorways: Doorways = field(default_factory=Doorways)
+    former: Mapping[str, str] = field(default_factory=dict)
 
     def __post_init__(self) -> None:
         """Let nobody change the zones from here on."""
         object.__setattr__(self, "zones", MappingProxyType(self.zones))
 
-    def fused(self, sensor_map: SensorMap, seq: int) -> MetricMap:
+    def fused(
+        self,
+        sensor_map: SensorMap,
+        names: Mapping[SeenName, str],
+        merges: Mapping[str, str],
+        seq: int,
+    ) -> MetricMap:
         """Return the map with the zones of one scan fused in, at step `seq`.
 
-        Alg. 3, l. 4-11 for the zone where the robot is, l. 13-29 for the others. A zone that
-        grows by nothing stays the very same object.
+        `names` says which zone of the map each of the scan is, by its id. Alg. 3, l. 4-11 for the
+        zone where the robot is, l. 13-29 for the others. Before, zones are merged into others, from
+        the first id of `merges` to the second (R14); their doorways move over. A zone that grows
+        by nothing stays the very same object.
         """
         zones = dict(self.zones)
+        for zone_id, into in merges.items():
+            zones[into] = _grown(zones[into], zones.pop(zone_id), seq)
         for seen in here_first(sensor_map):
-            known = zones.get(seen.label)
-            zones[seen.label] = _new(seen, seq) if known is None else _grown(known, seen, seq)
-        doorways = self.doorways
-        for between in sensor_map.doorways:
-            doorways = doorways.grown(between.source, between.target, between.pieces, seq)
-        return MetricMap(zones, doorways)
+            zone_id = names[seen.name]
+            known = zones.get(zone_id)
+            zones[zone_id] = _new(zone_id, seen, seq) if known is None else _grown(known, seen, seq)
+        between = [((names[it.source], names[it.target]), it.pieces) for it in sensor_map.doorways]
+        doorways = self.doorways.updated(between, merges, seq)
+        return MetricMap(zones, doorways, {**self.former, **merges} if merges else self.former)
 
     def changed_since(self, older: MetricMap) -> list[MappedZone]:
         """Return the zones that differ from those of an older map."""
@@ -66,16 +80,16 @@ class MetricMap:
 
 
 def here_first(sensor_map: SensorMap) -> list[Zone]:
-    """Return the zones in the order of Algorithm 3: where the robot is, then by label."""
-    return sorted(sensor_map.zones, key=lambda zone: (zone.label != sensor_map.here, zone.label))
+    """Return the zones in the order of Algorithm 3: where the robot is, then by name."""
+    return sorted(sensor_map.zones, key=lambda zone: (zone.name != sensor_map.here_name, zone.name))
 
 
-def _new(seen: Zone, seq: int) -> MappedZone:
-    return MappedZone(seen.label, seen.label, seen.region, seen.border, since=seq, seq=seq)
+def _new(zone_id: str, seen: Zone, seq: int) -> MappedZone:
+    return MappedZone(zone_id, seen.label, seen.region, seen.border, since=seq, seq=seq)
 
 
-def _grown(known: MappedZone, seen: Zone, seq: int) -> MappedZone:
-    """Return a known zone with a seen one fused in (Alg. 3, l. 5-7 and 16-18; R12)."""
+def _grown(known: MappedZone, seen: Zone | MappedZone, seq: int) -> MappedZone:
+    """Return a known zone with another fused in (Alg. 3, l. 5-7 and 16-18; R12)."""
     region = fuse(known.region, seen.region)
     if region is known.region:
         return known

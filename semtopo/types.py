@@ -24,6 +24,9 @@ Flags: TypeAlias = NDArray[np.bool_]
 Point: TypeAlias = tuple[float, float]
 """x and y in metres, map frame."""
 
+SeenName: TypeAlias = tuple[str, int]
+"""What names a zone in one scan: its label, and which of its parts, from 0 (R14)."""
+
 NOWHERE = -1
 """The label index of a place that no zone covers."""
 
@@ -51,6 +54,20 @@ class Edges(StrEnum):
 
     SEEN = "seen"
     ADJACENT = "adjacent"
+
+
+class Passages(StrEnum):
+    """How many passages from one zone to another the graph keeps (R10)."""
+
+    FIRST = "first"
+    ALL = "all"
+
+
+class Identity(StrEnum):
+    """What makes places one zone (R14): their label, or that they touch, too."""
+
+    LABEL = "label"
+    INSTANCE = "instance"
 
 
 @dataclass(frozen=True, slots=True)
@@ -82,22 +99,29 @@ class Pose:
 class MappingOptions:
     """How a session maps; the defaults are the paper's behaviour.
 
-    `edges` says which zones are linked (R15); `min_zone_area` in m^2 says below which size a zone
-    of one scan is passed over (R9).
+    `edges` says which zones are linked (R15), `passages` how many passages lead from one to
+    another (R10), `identity` what makes places one zone (R14); `min_zone_area` in m^2 says below
+    which size a zone of one scan is passed over (R9).
 
     Raises
     ------
     InvalidOptionError
-        `min_zone_area` is negative or not finite, or `edges` is none of the known words.
+        `min_zone_area` is negative or not finite, or an option is none of its known words.
     """
 
     edges: Edges = Edges.SEEN
+    passages: Passages = Passages.FIRST
+    identity: Identity = Identity.LABEL
     min_zone_area: float = 0.0
 
     def __post_init__(self) -> None:
-        """Refuse values out of range, and turn the word for `edges` into its member."""
-        if self.edges not in set(Edges):
-            raise InvalidOptionError(f"edges must be one of {', '.join(Edges)}")
-        object.__setattr__(self, "edges", Edges(self.edges))
+        """Refuse values out of range, and turn words into their members."""
+        for name, words in _CHOICES.items():
+            if getattr(self, name) not in set(words):
+                raise InvalidOptionError(f"{name} must be one of {', '.join(words)}")
+            object.__setattr__(self, name, words(getattr(self, name)))
         if not (math.isfinite(self.min_zone_area) and self.min_zone_area >= 0):
             raise InvalidOptionError("min_zone_area must be a finite number of m^2, at least 0")
+
+
+_CHOICES: dict[str, type[StrEnum]] = {"edges": Edges, "passages": Passages, "identity": Identity}

@@ -3,9 +3,8 @@
 In comes a scan; out go its zones, and which of them the beams linked. This room remembers nothing:
 what was known before is the business of `metric` and `graph`.
 
-A zone is the union of strips. A strip lies between two neighbouring beams, and joins an interval of
-the one to an interval of the other: same label, both from the robot or both not, overlapping in
-radius.
+A zone is the union of the strips of its label; where places that do not touch are zones of their
+own (R14), of those in one place.
 """
 
 from __future__ import annotations
@@ -18,16 +17,28 @@ import shapely
 
 from semtopo.doorways import SeenDoorways, seen_doorways
 from semtopo.geometry import (
-    NO_AREA,
     Polygons,
     Region,
+    apart,
     coverage_union,
     nearest_point,
     union,
     vertex_flags,
 )
 from semtopo.scan import Scan
-from semtopo.types import Bytes, Edges, Floats, Integers, MappingOptions, Occupancy, Point
+from semtopo.strips import Strips, find_strips
+from semtopo.types import (
+    NOWHERE,
+    Bytes,
+    Edges,
+    Floats,
+    Identity,
+    Integers,
+    MappingOptions,
+    Occupancy,
+    Point,
+    SeenName,
+)
 
 SAME_DISTANCE = 1e-9
 """m; far above what rounding does to a distance indoors, far below what a sensor can tell."""
@@ -58,23 +69,41 @@ class Border:
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Zone:
-    """A zone of one scan z_u: its label, its region in m, map frame, and its border points."""
+    """A zone of one scan z_u: its label, its region in m, map frame, and its border points.
+
+    `part` tells zones of one label apart, from 0, the nearest first; there are several only where
+    each place is a zone of its own (R14).
+    """
 
     label: str
     region: Region
     border: Border
+    part: int = 0
+
+    @property
+    def name(self) -> SeenName:
+        """What names the zone in its scan."""
+        return (self.label, self.part)
 
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Link:
     """Evidence in one scan that one passes from `source` to `target`.
 
-    `strips` are polygons: the part of the target that one enters.
+    `strips` are polygons: the ground of the target that one enters. The parts say which zones of
+    these labels are meant.
     """
 
     source: str
     target: str
     strips: Polygons
+    source_part: int = 0
+    target_part: int = 0
+
+    @property
+    def ends(self) -> tuple[SeenName, SeenName]:
+        """What names source and target in their scan."""
+        return (self.source, self.source_part), (self.target, self.target_part)
 
     def nearest_point(self, position: Point) -> Point:
         """Return the point of the entered part that is nearest to the robot (R11)."""
@@ -83,11 +112,11 @@ class Link:
 
 @dataclass(frozen=True, slots=True, eq=False)
 class SensorMap:
-    """The zones of one scan M_u, sorted by label, with the position p_r it was taken from.
+    """The zones of one scan M_u, sorted by name, with the position p_r it was taken from.
 
     `here` is the label s_r of the nearest zone, `None` if the scan shows no zone (R8). `links` are
     the edges that the scan speaks for, by the option `edges` (R15), `doorways` the ground that it
-    shows between zones.
+    shows between zones. `here_part` says which zone of that label is meant.
     """
 
     position: Point
@@ -95,16 +124,12 @@ class SensorMap:
     here: str | None
     links: tuple[Link, ...]
     doorways: tuple[SeenDoorways, ...] = ()
+    here_part: int = 0
 
-
-@dataclass(frozen=True, slots=True, eq=False)
-class Strips:
-    """Pairs of intervals on neighbouring beams, (strips,) each: the beam before, the beam after."""
-
-    left: Integers
-    right: Integers
-    shapes: Polygons
-    """Their polygons; none is without area."""
+    @property
+    def here_name(self) -> SeenName | None:
+        """What names the zone where the robot is."""
+        return None if self.here is None else (self.here, self.here_part)
 
 
 def extract(scan: Scan, options: MappingOptions) -> SensorMap:
@@ -113,70 +138,49 @@ def extract(scan: Scan, options: MappingOptions) -> SensorMap:
     Zones not above `min_zone_area` are left out (R9); so is all that has no area.
     """
     strips = find_strips(scan)
-    zones = tuple(_zones(scan, strips, options.min_zone_area))
+    zones, owner = _zones(scan, strips, options)
     here = _nearest(zones, scan.position)
     if here is None:
         return SensorMap(scan.position, (), None, ())
-    known = {zone.label for zone in zones}
     if options.edges is Edges.ADJACENT:
-        links = tuple(_adjacent_links(scan, strips, known))
+        links = tuple(_adjacent_links(scan, strips, zones, owner))
     else:
-        links = tuple(_seen_links(here, scan, strips, zones))
-    doorways = seen_doorways(scan, strips.left, strips.right, strips.shapes)
-    between = tuple(seen for seen in doorways if {seen.source, seen.target} <= known)
-    return SensorMap(scan.position, zones, here, links, between)
+        links = tuple(_seen_links(here, strips, zones, owner))
+    doorways = seen_doorways(scan, strips, owner, [zone.name for zone in zones])
+    return SensorMap(scan.position, tuple(zones), here.label, links, tuple(doorways), here.part)
 
 
-def find_strips(scan: Scan) -> Strips:
-    """Return every strip of a scan that has area (R6)."""
-    left, right = _overlapping(scan)
-    spans = scan.intervals
-    matching = (spans.label[left] == spans.label[right]) & (
-        (spans.near[left] == 0) == (spans.near[right] == 0)
-    )
-    left, right = left[matching], right[matching]
-    corners = np.stack(
-        [
-            scan.near_points(left),
-            scan.far_points(left),
-            scan.far_points(right),
-            scan.near_points(right),
-        ],
-        axis=1,
-    )
-    shapes = np.asarray(shapely.polygons(corners), dtype=np.object_)
-    solid = shapely.area(shapes) > NO_AREA
-    return Strips(left[solid], right[solid], shapes[solid])
+def _zones(scan: Scan, strips: Strips, options: MappingOptions) -> tuple[list[Zone], Integers]:
+    """Return the zones in the order of their names, and in which of them each interval lies.
 
-
-def _overlapping(scan: Scan) -> tuple[Integers, Integers]:
-    """Return every pair of intervals on neighbouring beams that overlap in radius.
-
-    The intervals of a beam are in order and lie apart, so the partners of each stand in a row; they
-    are found without a look at the others, of which a scan may have very many.
+    That is its place in the list, or `NOWHERE` (Alg. 2, l. 36-42; R14).
     """
-    spans, beams = scan.intervals, len(scan.directions)
-    radii, rank = np.unique(np.concatenate([spans.near, spans.far]), return_inverse=True)
-    near, far = rank[: len(spans)], rank[len(spans) :]
-    here, there = spans.beam * len(radii), (spans.beam + 1) % beams * len(radii)
-    first = np.searchsorted(here + far, there + near, side="left")
-    end = np.searchsorted(here + near, there + far, side="right")
-    partners = end - first
-    if not scan.ring:
-        partners[spans.beam == beams - 1] = 0
-    left = np.repeat(np.arange(len(spans)), partners)
-    offset = np.arange(len(left)) - np.repeat(np.cumsum(partners) - partners, partners)
-    return left, np.repeat(first, partners) + offset
-
-
-def _zones(scan: Scan, strips: Strips, min_zone_area: float) -> Iterator[Zone]:
-    """Yield the zones in the order of their labels (Alg. 2, l. 36-42)."""
-    spans = _places(scan.intervals.label)
-    chosen = _places(scan.intervals.label[strips.left])
+    spans, chosen = _places(scan.intervals.label), _places(scan.intervals.label[strips.left])
+    zones: list[Zone] = []
+    owner = np.full(len(scan.intervals), NOWHERE)
     for number in sorted(chosen, key=scan.labels.__getitem__):
-        region = _joined(strips, chosen[number])
-        if region.area > min_zone_area:
-            yield Zone(scan.labels[number], region, _border(scan, spans[number]).on(region))
+        region, border = _joined(strips, chosen[number]), _border(scan, spans[number])
+        if options.identity is Identity.LABEL:
+            places = [(region, spans[number])]
+        else:
+            places = list(_parts(region, scan, strips, chosen[number]))
+        large = [(place, mine) for place, mine in places if place.area > options.min_zone_area]
+        for part, (place, mine) in enumerate(large):
+            owner[mine] = len(zones)
+            zones.append(Zone(scan.labels[number], place, border.on(place), part))
+    return zones, owner
+
+
+def _parts(
+    region: Region, scan: Scan, strips: Strips, chosen: Integers
+) -> Iterator[tuple[Region, Integers]]:
+    """Yield the places of one label that do not touch, the nearest first, with their intervals."""
+    place = shapely.Point(scan.position)
+    places = sorted(apart(region), key=lambda part: (part.distance(place), part.bounds))
+    inside = shapely.centroid(strips.shapes[chosen])
+    for part in places:
+        mine = chosen[shapely.intersects(part, inside)]
+        yield part, np.union1d(strips.left[mine], strips.right[mine])
 
 
 def _places(numbers: Integers) -> dict[int, Integers]:
@@ -211,43 +215,42 @@ def _border(scan: Scan, mine: Integers) -> Border:
     return Border(xy[kept], occupancy[kept])
 
 
-def _nearest(zones: tuple[Zone, ...], position: Point) -> str | None:
-    """Return the label of the zone nearest to the robot (Alg. 3, l. 1-2; ties by label, R7).
+def _nearest(zones: list[Zone], position: Point) -> Zone | None:
+    """Return the zone nearest to the robot (Alg. 3, l. 1-2; ties by name, R7).
 
     Samples stand at equal distances, so ties are common; rounding must not decide them.
     """
     place = shapely.Point(position)
     distances = [zone.region.distance(place) for zone in zones]
     near = min(distances, default=0.0) + SAME_DISTANCE
-    labels = [zone.label for zone, far in zip(zones, distances, strict=True) if far <= near]
-    return min(labels, default=None)
+    return next((zone for zone, far in zip(zones, distances, strict=True) if far <= near), None)
 
 
-def _seen_links(here: str, scan: Scan, strips: Strips, zones: tuple[Zone, ...]) -> Iterator[Link]:
+def _seen_links(here: Zone, strips: Strips, zones: list[Zone], owner: Integers) -> Iterator[Link]:
     """Yield a link from here to every other zone (Alg. 3, l. 13-29)."""
-    places = _places(scan.intervals.label[strips.left])
-    named = {scan.labels[number]: found for number, found in places.items()}
-    for zone in zones:
-        if zone.label != here:
-            yield Link(here, zone.label, strips.shapes[named[zone.label]])
+    places = _places(owner[strips.left])
+    for number, zone in enumerate(zones):
+        if zone is not here and number in places:
+            yield _link(here, zone, strips.shapes[places[number]])
 
 
-def _adjacent_links(scan: Scan, strips: Strips, known: set[str]) -> Iterator[Link]:
+def _adjacent_links(
+    scan: Scan, strips: Strips, zones: list[Zone], owner: Integers
+) -> Iterator[Link]:
     """Yield a link for every pair of zones with strips that lead from one to the other (R15).
 
     Both beams of a strip must come through: one alone may have slipped through a wall. The strips
     that lead there are what one enters, and not all that is seen of the target.
     """
-    spans = scan.intervals
-    source, target = spans.source[strips.left], spans.label[strips.left]
-    (entered,) = np.nonzero(
-        (source >= 0) & (source != target) & (source == spans.source[strips.right])
-    )
-    count = len(scan.labels)
-    leading = {
-        (scan.labels[pair // count], scan.labels[pair % count]): strips.shapes[entered[found]]
-        for pair, found in _places(source[entered] * count + target[entered]).items()
-    }
-    for one, other in sorted(leading, key=lambda pair: (pair[1], pair[0])):
-        if {one, other} <= known:
-            yield Link(one, other, leading[one, other])
+    entered = strips.entering(scan)
+    source, target = owner[strips.left[entered] - 1], owner[strips.left[entered]]
+    known = (source != NOWHERE) & (target != NOWHERE) & (source != target)
+    known &= source == owner[strips.right[entered] - 1]
+    entered, pairs = entered[known], (target * len(zones) + source)[known]
+    for pair, found in _places(pairs).items():
+        target_number, source_number = divmod(pair, len(zones))
+        yield _link(zones[source_number], zones[target_number], strips.shapes[entered[found]])
+
+
+def _link(source: Zone, target: Zone, strips: Polygons) -> Link:
+    return Link(source.label, target.label, strips, source.part, target.part)

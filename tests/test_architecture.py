@@ -17,9 +17,8 @@ ROOT = Path(__file__).parents[1]
 LAYERS = [
     {"errors"}, {"types"}, {"geometry", "window"},
     {"inset", "triangulation", "world"}, {"taut"}, {"bottleneck"}, {"freespace"},
-    {"sensor"}, {"scan"},
-    {"doorways", "runs"},
-    {"zones"}, {"metric"}, {"borders", "graph"}, {"mapper"}, {"atlas"},
+    {"sensor"}, {"scan"}, {"runs", "strips"}, {"doorways"}, {"zones"}, {"metric"}, {"placement"},
+    {"borders", "graph"}, {"findings"}, {"mapper"}, {"atlas"},
     {"names", "route"}, {"query"},
     {"codec", "documents"},
     {"exports", "formats", "render"}, {"semtopo"},

@@ -39,6 +39,11 @@ def scan_of(*beams: list[tuple[str, float]]) -> Scan:
     return from_runs(Pose(0, 0), seen)
 
 
+def grown(doorways: Doorways, one: str, other: str, parts: Polygons, seq: int) -> Doorways:
+    """Return the doorways with pieces seen between two zones."""
+    return doorways.updated([((one, other), parts)], {}, seq)
+
+
 def told(*beams: list[tuple[str, float]]) -> SensorMap:
     """Return the sensor map of labelled runs."""
     return extract(scan_of(*beams), MappingOptions())
@@ -47,7 +52,7 @@ def told(*beams: list[tuple[str, float]]) -> SensorMap:
 def test_a_piece_lies_between_neighbouring_beams_that_both_cross() -> None:
     beam = [("a", 1.0), ("door", 2.0), ("b", 3.0)]
     (seen,) = told(beam, beam, [("a", 1.0)]).doorways
-    assert (seen.source, seen.target) == ("a", "b")
+    assert (seen.source, seen.target) == (("a", 0), ("b", 0))
     (piece,) = seen.pieces
     near, far = 1.0 - DOORWAY_OVERLAP, 2.0 + DOORWAY_OVERLAP
     wanted = {(near, 0.0), (far, 0.0)} | {
@@ -95,7 +100,7 @@ def test_a_doorway_reaches_no_further_than_the_zones() -> None:
 def test_a_door_within_a_zone_is_a_doorway_from_it_to_itself() -> None:
     beam = [("a", 1.0), ("door", 1.5), ("a", 3.0)]
     (seen,) = told(beam, beam).doorways
-    assert (seen.source, seen.target) == ("a", "a")
+    assert (seen.source, seen.target) == (("a", 0), ("a", 0))
     state = step(MapState(), scan_of(beam, beam), MappingOptions()).state
     assert list(state.metric.doorways) == [("a", "a", 0)]
     assert state.graph.pairs == ()
@@ -106,18 +111,18 @@ def test_a_door_within_a_zone_is_a_doorway_from_it_to_itself() -> None:
 
 
 def test_new_pieces_make_doorways_with_numbers_of_their_own() -> None:
-    doorways = Doorways().grown("b", "a", pieces(box(0, 0, 1, 1), box(5, 0, 6, 1)), 3)
+    doorways = grown(Doorways(), "b", "a", pieces(box(0, 0, 1, 1), box(5, 0, 6, 1)), 3)
     assert keys(doorways) == [("a", "b", 0), ("a", "b", 1)]
     assert {(door.since, door.seq) for door in doorways.values()} == {(3, 3)}
-    other = doorways.grown("a", "c", pieces(box(0, 0, 1, 1)), 4)
+    other = grown(doorways, "a", "c", pieces(box(0, 0, 1, 1)), 4)
     assert keys(other) == [("a", "b", 0), ("a", "b", 1), ("a", "c", 0)]
     assert other.changed_since(doorways) == [other["a", "c", 0]]
     assert [door.number for door in other.between("b", "a")] == [0, 1]
 
 
 def test_what_touches_a_known_doorway_is_part_of_it() -> None:
-    first = Doorways().grown("a", "b", pieces(box(0, 0, 1, 1)), 1)
-    second = first.grown("b", "a", pieces(box(0.5, 0, 2, 1)), 2)
+    first = grown(Doorways(), "a", "b", pieces(box(0, 0, 1, 1)), 1)
+    second = grown(first, "b", "a", pieces(box(0.5, 0, 2, 1)), 2)
     (door,) = second.values()
     assert door.region.equals(box(0, 0, 2, 1))
     assert (door.since, door.seq) == (1, 2)
@@ -125,23 +130,23 @@ def test_what_touches_a_known_doorway_is_part_of_it() -> None:
 
 
 def test_what_adds_little_changes_nothing() -> None:
-    doorways = Doorways().grown("a", "b", pieces(box(0, 0, 1, 1)), 1)
-    assert doorways.grown("a", "b", pieces(box(0, 0, 1, 1)), 2) is doorways
-    assert doorways.grown("a", "b", pieces(box(0.2, 0.2, 0.5, 1)), 2) is doorways
+    doorways = grown(Doorways(), "a", "b", pieces(box(0, 0, 1, 1)), 1)
+    assert grown(doorways, "a", "b", pieces(box(0, 0, 1, 1)), 2) is doorways
+    assert grown(doorways, "a", "b", pieces(box(0.2, 0.2, 0.5, 1)), 2) is doorways
     sliver = DOORWAY_GAIN / 2
-    assert doorways.grown("a", "b", pieces(box(0.5, 0, 1 + sliver, 1)), 2) is doorways
-    assert doorways.grown("a", "b", pieces(box(0.5, 0, 1 + 4 * sliver, 1)), 2) is not doorways
-    two = doorways.grown("a", "b", pieces(box(5, 0, 6, 1)), 2)
-    assert two.grown("a", "b", pieces(box(0.5, 0, 1 + sliver, 1)), 3) is two
+    assert grown(doorways, "a", "b", pieces(box(0.5, 0, 1 + sliver, 1)), 2) is doorways
+    assert grown(doorways, "a", "b", pieces(box(0.5, 0, 1 + 4 * sliver, 1)), 2) is not doorways
+    two = grown(doorways, "a", "b", pieces(box(5, 0, 6, 1)), 2)
+    assert grown(two, "a", "b", pieces(box(0.5, 0, 1 + sliver, 1)), 3) is two
 
 
 def test_parts_of_one_doorway_become_one_and_numbers_are_not_used_again() -> None:
-    apart = Doorways().grown("a", "b", pieces(box(0, 0, 1, 1), box(3, 0, 4, 1)), 1)
-    whole = apart.grown("a", "b", pieces(box(0.5, 0, 3.5, 1)), 2)
+    apart = grown(Doorways(), "a", "b", pieces(box(0, 0, 1, 1), box(3, 0, 4, 1)), 1)
+    whole = grown(apart, "a", "b", pieces(box(0.5, 0, 3.5, 1)), 2)
     assert keys(whole) == [("a", "b", 0)]
     assert whole["a", "b", 0].region.equals(box(0, 0, 4, 1))
     assert dict(whole.former) == {("a", "b", 1): ("a", "b", 0)}
-    later = whole.grown("a", "b", pieces(box(9, 0, 10, 1)), 3)
+    later = grown(whole, "a", "b", pieces(box(9, 0, 10, 1)), 3)
     assert keys(later) == [("a", "b", 0), ("a", "b", 2)]
 
 
@@ -199,13 +204,13 @@ def test_pieces_from_runs_touch_the_zones_on_both_sides(
 
 def check_pieces(found: SensorMap) -> None:
     """Every piece is sound, and shares ground or a side with both zones."""
-    regions = {zone.label: zone.region for zone in found.zones}
+    regions = {zone.name: zone.region for zone in found.zones}
     for seen in found.doorways:
         assert len(seen.pieces) == len(seen.entered) > 0
         for piece in seen.pieces:
             assert piece.is_valid
-            for label in (seen.source, seen.target):
-                assert piece.intersection(regions[label]).length > 0.01
+            for name in (seen.source, seen.target):
+                assert piece.intersection(regions[name]).length > 0.01
 
 
 @patient

@@ -10,7 +10,7 @@ import pytest
 import shapely
 from hypothesis import given
 
-from semtopo.graph import NodeFound
+from semtopo.graph import NodeFound, PassageFound
 from semtopo.mapper import MapState, Stage, Step, explore, run, scan_world, step
 from semtopo.runs import LabelledRuns, from_runs
 from semtopo.sensor import Sensor
@@ -28,14 +28,16 @@ def check_step(wanted: oracle.Step, found: Step, position: Point) -> None:
     named = [
         event.label if isinstance(event, NodeFound) else (event.source, event.target)
         for event in found.events
+        if isinstance(event, NodeFound | PassageFound)
     ]
     assert named == wanted.events
+    assert len(named) == len(found.events)
     zones = found.state.metric.zones
     assert zones.keys() == wanted.state.zones.keys()
     for label, region in wanted.state.zones.items():
         assert zones[label].region.symmetric_difference(region).area < SAME
     for event in found.events:
-        if not isinstance(event, NodeFound):
+        if isinstance(event, PassageFound):
             edge = wanted.state.edges[event.source, event.target]
             assert math.dist(event.point, position) == pytest.approx(edge.distance, abs=SAME)
             assert wanted.state.zones[event.target].distance(shapely.Point(event.point)) < SAME

@@ -10,7 +10,8 @@ from shapely import MultiPolygon, Polygon, box
 from semtopo.geometry import Region
 from semtopo.mapper import explore, scan_world, step
 from semtopo.metric import MetricMap, here_first
-from semtopo.types import MappingOptions, Occupancy
+from semtopo.placement import place
+from semtopo.types import Identity, MappingOptions, Occupancy
 from semtopo.zones import Border, SensorMap, Zone
 from tests.strategies import Scene, options, patient, scenes
 
@@ -23,6 +24,11 @@ def seen(here: str, **regions: Region) -> SensorMap:
     return SensorMap((99.0, 99.0), zones, here, ())
 
 
+def fused(metric: MetricMap, sensor_map: SensorMap, seq: int) -> MetricMap:
+    """Return the map with a scan whose labels are zones."""
+    return place(metric, sensor_map, Identity.LABEL, seq).metric
+
+
 def corners(box_: Polygon, why: Occupancy) -> Border:
     """Return the corners of a rectangle as border points."""
     xy = np.array(box_.exterior.coords[:-1])
@@ -30,28 +36,28 @@ def corners(box_: Polygon, why: Occupancy) -> Border:
 
 
 def test_an_unknown_zone_is_new() -> None:
-    zone = MetricMap().fused(seen("a", a=box(0, 0, 1, 1)), 7).zones["a"]
+    zone = fused(MetricMap(), seen("a", a=box(0, 0, 1, 1)), 7).zones["a"]
     assert (zone.zone_id, zone.label, zone.since, zone.seq) == ("a", "a", 7, 7)
     assert zone.region.equals(box(0, 0, 1, 1))
 
 
 def test_a_known_zone_grows() -> None:
-    first = MetricMap().fused(seen("a", a=box(0, 0, 1, 1)), 1)
-    zone = first.fused(seen("a", a=box(1, 0, 2, 1)), 4).zones["a"]
+    first = fused(MetricMap(), seen("a", a=box(0, 0, 1, 1)), 1)
+    zone = fused(first, seen("a", a=box(1, 0, 2, 1)), 4).zones["a"]
     assert zone.region.equals(box(0, 0, 2, 1))
     assert (zone.since, zone.seq) == (1, 4)
 
 
 def test_what_touches_nowhere_becomes_a_second_part() -> None:
-    first = MetricMap().fused(seen("a", a=box(0, 0, 1, 1)), 1)
-    region = first.fused(seen("a", a=box(5, 0, 6, 1)), 2).zones["a"].region
+    first = fused(MetricMap(), seen("a", a=box(0, 0, 1, 1)), 1)
+    region = fused(first, seen("a", a=box(5, 0, 6, 1)), 2).zones["a"].region
     assert isinstance(region, MultiPolygon)
     assert region.area == 2
 
 
 def test_an_older_map_stays_as_it_was() -> None:
-    first = MetricMap().fused(seen("a", a=box(0, 0, 1, 1)), 1)
-    first.fused(seen("a", a=box(1, 0, 2, 1), b=box(3, 0, 4, 1)), 2)
+    first = fused(MetricMap(), seen("a", a=box(0, 0, 1, 1)), 1)
+    fused(first, seen("a", a=box(1, 0, 2, 1), b=box(3, 0, 4, 1)), 2)
     assert list(first.zones) == ["a"]
     assert first.zones["a"].region.area == 1
 
@@ -59,12 +65,12 @@ def test_an_older_map_stays_as_it_was() -> None:
 def test_zones_stand_in_the_order_of_finding_here_first() -> None:
     parts = {"a": box(0, 0, 1, 1), "b": box(1, 0, 2, 1), "c": box(2, 0, 3, 1)}
     assert [zone.label for zone in here_first(seen("b", **parts))] == ["b", "a", "c"]
-    assert list(MetricMap().fused(seen("b", **parts), 1).zones) == ["b", "a", "c"]
+    assert list(fused(MetricMap(), seen("b", **parts), 1).zones) == ["b", "a", "c"]
 
 
 def test_changed_since_names_the_new_and_the_grown() -> None:
-    old = MetricMap().fused(seen("a", a=box(0, 0, 1, 1), b=box(5, 0, 6, 1)), 1)
-    new = old.fused(seen("a", a=box(0, 0, 1, 1), b=box(5, 0, 7, 1), c=box(8, 0, 9, 1)), 2)
+    old = fused(MetricMap(), seen("a", a=box(0, 0, 1, 1), b=box(5, 0, 6, 1)), 1)
+    new = fused(old, seen("a", a=box(0, 0, 1, 1), b=box(5, 0, 7, 1), c=box(8, 0, 9, 1)), 2)
     assert [zone.label for zone in new.changed_since(old)] == ["b", "c"]
     assert new.changed_since(new) == []
     assert len(new.changed_since(MetricMap())) == 3
@@ -74,8 +80,8 @@ def test_border_points_that_fall_inside_are_dropped() -> None:
     left, right = box(0, 0, 1, 1), box(0.5, -1, 2, 2)
     first = Zone("a", left, corners(left, Occupancy.OBSTACLE))
     second = Zone("a", right, corners(right, Occupancy.FREE))
-    known = MetricMap().fused(SensorMap((0, 0), (first,), "a", ()), 1)
-    border = known.fused(SensorMap((0, 0), (second,), "a", ()), 2).zones["a"].border
+    known = fused(MetricMap(), SensorMap((0, 0), (first,), "a", ()), 1)
+    border = fused(known, SensorMap((0, 0), (second,), "a", ()), 2).zones["a"].border
     claims = dict(zip(map(tuple, border.xy.tolist()), border.occupancy.tolist(), strict=True))
     assert claims == {
         (0, 0): Occupancy.OBSTACLE, (0, 1): Occupancy.OBSTACLE,
@@ -136,6 +142,6 @@ def test_maps_cannot_be_changed_from_outside() -> None:
 
 
 def test_maps_from_steps_cannot_be_changed_either() -> None:
-    metric = MetricMap().fused(seen("a", a=box(0, 0, 1, 1)), 1)
+    metric = fused(MetricMap(), seen("a", a=box(0, 0, 1, 1)), 1)
     with pytest.raises(TypeError):
         metric.zones["a"] = metric.zones["a"]  # type: ignore[index]

@@ -94,6 +94,7 @@ def events(found: list[Step]) -> list[tuple[int, str | None, str | tuple[str, st
         (number, taken.here, e.label if isinstance(e, NodeFound) else (e.source, e.target))
         for number, taken in enumerate(found, start=1)
         for e in taken.events
+        if isinstance(e, NodeFound | PassageFound)
     ]
 
 

@@ -15,8 +15,9 @@ from semtopo.mapper import scan_world
 from semtopo.runs import LabelledRuns, from_runs
 from semtopo.scan import Scan
 from semtopo.sensor import Sensor
+from semtopo.strips import find_strips
 from semtopo.types import Edges, Kind, MappingOptions, Occupancy, Pose
-from semtopo.zones import Border, SensorMap, Zone, extract, find_strips
+from semtopo.zones import Border, SensorMap, Zone, extract
 from tests import oracle
 from tests.plans import THREE_IN_A_ROW, TWO_ROOMS, drawn
 from tests.strategies import Scene, labelled_runs, many, options, poses, quick, scenes

@@ -17,11 +17,12 @@ class GraphNode(BaseModel):
 
 
 class GraphEdge(BaseModel):
-    """A directed edge; `seq` is the step that found it."""
+    """A directed edge; `seq` is the step that found it, `n` its number, where not 0."""
 
     source: str
     target: str
     point: Point
+    n: int | None = None
     seq: int
 
 

@@ -29,12 +29,31 @@ class NodeEvent(BaseModel):
 
 
 class EdgeEvent(BaseModel):
-    """A step found a passage; its point is in m, map frame."""
+    """A step found a passage; its point is in m, map frame. `n` is its number, where not 0."""
 
     type: Literal["edge"]
     source: str
     target: str
     point: Point
+    n: int | None = None
+
+
+class MergeEvent(BaseModel):
+    """A zone proved to be part of another: its passages are now those of zone `into`."""
+
+    type: Literal["merge"]
+    zone_id: str
+    into: str
+
+
+class JoinEvent(BaseModel):
+    """A passage proved to be the one with number `into` between the same zones."""
+
+    type: Literal["join"]
+    source: str
+    target: str
+    n: int
+    into: int
 
 
 class Timings(BaseModel):
@@ -49,11 +68,12 @@ class Timings(BaseModel):
 
 
 class StepAnswer(BaseModel):
-    """What a step led to."""
+    """What a step led to; `here` is the label of the zone where the robot is, `zone_id` its id."""
 
     seq: int
     here: str | None
-    events: list[NodeEvent | EdgeEvent]
+    zone_id: str | None
+    events: list[NodeEvent | EdgeEvent | MergeEvent | JoinEvent]
     timings_ms: Timings
 
 

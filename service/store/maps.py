@@ -129,7 +129,9 @@ def _robot(connection: Connection, session: int, seq: int) -> tuple[Point | None
     if logged is None:
         return None, None
     pose = orjson.loads(logged.input)["pose"]
-    return (pose["x"], pose["y"]), orjson.loads(logged.answer)["here"]
+    answer = orjson.loads(logged.answer)
+    # answers of early versions know the label alone, which then was the id
+    return (pose["x"], pose["y"]), answer.get("zone_id", answer["here"])
 
 
 def _zone(row: Any) -> MappedZone:  # noqa: ANN401 -- rows of two queries, typed by neither

@@ -9,7 +9,7 @@ from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
 
-from semtopo.codec import event_document, graph_body, zones_body
+from semtopo.codec import graph_body, step_document, zones_body
 from semtopo.documents import (
     MappingDocument,
     PoseDocument,
@@ -122,8 +122,7 @@ class Twin:
         options = MappingDocument.model_validate(self.session.get("mapping", {})).value()
         taken = step(self.states[-1], scan, options)
         self.states.append(taken.state)
-        events = [plain(event_document(event)) for event in taken.events]
-        self.answers.append({"seq": taken.state.seq, "here": taken.here, "events": events})
+        self.answers.append(plain(step_document(taken)))
         return self.answers[-1]
 
     def graph(self, seq: int | None = None) -> bytes:
