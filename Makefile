@@ -11,7 +11,7 @@ KILLS ?= 200
 VICTIMS ?= sqlite sqlite-stopped sqlite-two postgres postgres-itself
 EXPORT = $(BIN)/uv export --quiet --frozen --no-header --no-emit-project
 
-.PHONY: setup run test fuzz crash lint types lock clean
+.PHONY: setup run test fuzz crash picture lint types lock clean
 
 setup: .venv/.ready
 
@@ -31,6 +31,11 @@ fuzz: setup
 
 crash: setup
 	set -e; for on in $(VICTIMS); do $(BIN)/python -m tests.crash --kills $(KILLS) --on $$on; done
+
+# The picture of the README.
+picture: setup
+	d=$$(mktemp -d) && $(BIN)/semtopo map examples/paper/world.json examples/paper/path.csv --out $$d \
+	    && cp $$d/map.svg docs/map.svg && rm -r $$d
 
 lint: setup
 	$(BIN)/ruff check .

@@ -26,6 +26,7 @@ from service.gate import KeyGate
 from service.maps import Maps
 from service.metrics import CountResponses, Metrics
 from service.openapi import DescribedApi
+from service.pictures import Pictures
 from service.protocol import PatientProtocol
 from service.routes import router
 from service.sessions import Sessions
@@ -119,6 +120,7 @@ async def _lifespan(app: FastAPI) -> AsyncIterator[None]:
     app.state.feeds = Feeds(app.state.sessions, settings, app.state.metrics)
     app.state.steps = Steps(app.state.sessions, app.state.feeds, settings, app.state.metrics)
     app.state.maps = Maps(app.state.sessions, settings)
+    app.state.pictures = Pictures(app.state.sessions, app.state.maps)
     try:
         if settings.example is not None:
             await make_example(app.state.sessions, app.state.steps, settings.example)

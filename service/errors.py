@@ -97,6 +97,12 @@ class BusyError(SemtopoError):
     code: ClassVar[str] = "busy"
 
 
+class PictureError(SemtopoError):
+    """A picture could not be painted, or takes too long."""
+
+    code: ClassVar[str] = "picture_failed"
+
+
 class StorageError(SemtopoError):
     """The database did not take the change; the same request may be sent again."""
 

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import asyncio
-from collections.abc import Callable
+from collections.abc import Awaitable, Callable
 from dataclasses import dataclass
 from functools import partial
 
@@ -51,12 +51,23 @@ class Maps:
         self, session_id: str, at: int | None, kind: str, build: Callable[[MapState], bytes]
     ) -> Body:
         """Return what `build` makes of a map, now or as of step `at`; kept in memory by `kind`."""
+        return await self.body(
+            session_id, at, kind, lambda _, state: asyncio.to_thread(build, state)
+        )
+
+    async def body(
+        self,
+        session_id: str,
+        at: int | None,
+        kind: str,
+        build: Callable[[HotSession, MapState], Awaitable[bytes]],
+    ) -> Body:
+        """Return what `build` makes of a session and its map; kept in memory by `kind`."""
         hot = await self._sessions.find(session_id)
         tag = entity_tag(hot.row.number, _checked(at, hot))
         body = self._bodies.get((tag, kind))
         if body is None:
-            state = await self.state(hot, at)
-            body = Body(await asyncio.to_thread(build, state), tag)
+            body = Body(await build(hot, await self.state(hot, at)), tag)
             self._bodies.put((tag, kind), body)
         return body
 
@@ -77,7 +88,11 @@ class Maps:
 
     async def route(self, session_id: str, source: str, target: str) -> Route:
         """Return the route between two zones, by their names."""
-        atlas = Atlas((await self._sessions.find(session_id)).state)
+        return await self.route_of((await self._sessions.find(session_id)).state, source, target)
+
+    async def route_of(self, state: MapState, source: str, target: str) -> Route:
+        """Return the route between two zones of a map, by their names."""
+        atlas = Atlas(state)
         request = RouteRequest(
             start=Place(resolve_one(atlas, source)),
             goals=tuple(map(Place, resolve(atlas, target))),

@@ -16,6 +16,7 @@ from semtopo.documents import COORDINATE_MAX, LABEL_LENGTH_MAX
 from service.errors import InvalidRequestError
 from service.feed import Feeds
 from service.maps import Maps
+from service.pictures import Pictures
 from service.schemas.steps import SEQ_MAX
 from service.sessions import Sessions
 from service.steps import Steps
@@ -53,6 +54,12 @@ def owner_of(request: Request) -> int | None:
     """Return the number of the API key that was sent; none where no key is asked for."""
     owner: int | None = getattr(request.state, "owner", None)
     return owner
+
+
+def pictures_of(request: Request) -> Pictures:
+    """Return the pictures of the application."""
+    found: Pictures = request.app.state.pictures
+    return found
 
 
 def idempotency_key(header: str | None) -> str | None:

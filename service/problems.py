@@ -35,6 +35,7 @@ from service.errors import (
     KeyReusedError,
     MapFullError,
     NoWorldError,
+    PictureError,
     SequenceGapError,
     SequenceReusedError,
     StorageError,
@@ -67,6 +68,7 @@ STATUS: dict[type[SemtopoError], int] = {
     InvalidMapError: 500,
     InvalidDatabaseError: 500,
     BusyError: 503,
+    PictureError: 503,
     StorageError: 503,
 }
 """The status of each error; a class that is not listed has that of its nearest listed base."""

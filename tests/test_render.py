@@ -6,6 +6,7 @@ import itertools
 import math
 import re
 from collections.abc import Mapping
+from dataclasses import replace
 from pathlib import Path
 from xml.etree import ElementTree as ET
 
@@ -16,17 +17,30 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from shapely.geometry.base import BaseGeometry
 
+from semtopo.errors import InvalidOptionError
 from semtopo.formats import read_path, read_world
 from semtopo.geometry import Region
 from semtopo.graph import Node, Passage, TopologyGraph
 from semtopo.mapper import MapState, explore
 from semtopo.metric import MappedZone, MetricMap
 from semtopo.render import render
-from semtopo.render.drawing import Drawing
+from semtopo.render.drawing import (
+    ALL_LAYERS,
+    DEFAULT_LAYERS,
+    SIDE_MAX,
+    SIDE_MIN,
+    TRAIL_MAX,
+    Drawing,
+    DrawnRoute,
+    Layer,
+    read_layers,
+    thinned_trail,
+    trail_stride,
+)
 from semtopo.render.frame import frame_around, round_length
 from semtopo.render.labels import Label, NamedRegion, place_labels
 from semtopo.render.layout import Nodes, lay_out
-from semtopo.render.palette import OCCUPANCY, shade
+from semtopo.render.palette import OCCUPANCY, ROUTE, shade
 from semtopo.sensor import Sensor
 from semtopo.types import Occupancy, Point
 from semtopo.zones import Border
@@ -233,3 +247,128 @@ def test_zones_that_follow_each_other_differ_in_colour() -> None:
     shades = [shade(number) for number in range(40)]
     assert len({each.area for each in shades}) == 40
     assert len({each.line for each in shades[:8]}) == 8
+
+
+def drawn_size(picture: str) -> tuple[float, float]:
+    root = ET.fromstring(picture)  # noqa: S314 -- our own picture
+    assert root.get("viewBox") == f"0 0 {root.get('width')} {root.get('height')}"
+    return (float(root.get("width", "")), float(root.get("height", "")))
+
+
+class TestSize:
+    @pytest.mark.parametrize("size", [(390, 844), (1280, 720), (240, 240), (4096, 240)])
+    def test_is_the_one_asked_for(self, paper: MapState, size: tuple[int, int]) -> None:
+        width, height = size
+        assert drawn_size(render(paper, Drawing(width=width, height=height))) == size
+
+    @pytest.mark.parametrize("side", [SIDE_MIN, 390, 699, 700, 1280, SIDE_MAX])
+    @pytest.mark.parametrize("layers", [DEFAULT_LAYERS, DEFAULT_LAYERS - {Layer.GRAPH}])
+    def test_the_other_side_follows(
+        self, paper: MapState, side: int, layers: frozenset[Layer]
+    ) -> None:
+        width, height = drawn_size(render(paper, Drawing(width=side, layers=layers)))
+        assert width == side
+        assert SIDE_MIN <= height <= SIDE_MAX
+        width, height = drawn_size(render(paper, Drawing(height=side, layers=layers)))
+        assert height == side
+        assert SIDE_MIN <= width <= SIDE_MAX
+
+    @pytest.mark.parametrize("side", [0, -1, SIDE_MIN - 1, SIDE_MAX + 1])
+    def test_has_bounds(self, side: int) -> None:
+        with pytest.raises(InvalidOptionError):
+            Drawing(width=side)
+        with pytest.raises(InvalidOptionError):
+            Drawing(height=side)
+
+    def test_a_map_of_many_zones_stays_within_them(self) -> None:
+        zones = {f"z{i}": shapely.box(i, 0, i + 0.9, 1) for i in range(1_600)}
+        picture = render(state_of(zones))
+        assert max(drawn_size(picture)) <= SIDE_MAX
+        assert "1600 zones and 0 passages: too many to draw" in texts(picture)
+        assert len(picture) < 1_000_000
+
+    @pytest.mark.parametrize("width", [390, 1280])
+    def test_all_panels_lie_on_the_sheet(self, paper: MapState, width: int) -> None:
+        for layers in (DEFAULT_LAYERS, {Layer.GRAPH}, {Layer.ZONES}, ALL_LAYERS):
+            picture = render(paper, Drawing(width=width, layers=frozenset(layers)))
+            high = drawn_size(picture)[1]
+            moves = re.findall(r'translate\(([\d.]+) ([\d.]+)\)"><rect', picture)
+            assert moves
+            assert all(0 <= float(x) < width and 0 <= float(y) < high for x, y in moves)
+
+
+class TestLayers:
+    def test_each_has_marks_of_its_own(self, paper: MapState, path: list[Point]) -> None:
+        """Without a layer, the picture is smaller; with nothing but it, it is not empty."""
+        whole = render(paper, Drawing(trail=path, layers=ALL_LAYERS))
+        nothing = render(paper, Drawing(trail=path, layers=frozenset()))
+        assert nothing.count("<") < 12
+        for layer in Layer:
+            without = render(paper, Drawing(trail=path, layers=ALL_LAYERS - {layer}))
+            alone = render(paper, Drawing(trail=path, layers=frozenset({layer})))
+            assert without.count("<") < whole.count("<")
+            assert layer is Layer.LEGEND or alone.count("<") > nothing.count("<") - 4
+
+    def test_the_graph_alone_has_no_map(self, paper: MapState) -> None:
+        words = texts(render(paper, Drawing(layers=frozenset({Layer.GRAPH}))))
+        assert "Metric map" not in words
+        assert words.count("corridor") == 1
+
+    def test_are_read_from_words(self) -> None:
+        assert read_layers("zones,graph") == {Layer.ZONES, Layer.GRAPH}
+        for words in ("", "zones,", "walls", "zones, graph", "ZONES"):
+            with pytest.raises(InvalidOptionError):
+                read_layers(words)
+
+    def test_doorways_lie_between_their_zones(self, paper: MapState) -> None:
+        shown = titles(render(paper))
+        assert {title for title in shown if "\u2013" in title} == {
+            f"{room} \u2013 corridor" for room in "ABCD"
+        }
+
+    def test_frontiers_are_where_the_unknown_begins(self, paper: MapState) -> None:
+        square = shapely.Polygon([(0, 0), (4, 0), (4, 4), (0, 4)])
+        walls = state_of({"a": square})
+        assert "stroke-dasharray" not in render(walls, Drawing(layers=frozenset({Layer.FRONTIERS})))
+        assert "stroke-dasharray" in render(paper, Drawing(layers=ALL_LAYERS))
+
+
+class TestRoute:
+    ROUTE = DrawnRoute(((4.0, 7.0), (1.0, 7.0), (1.0, 1.0)), frozenset({("A", "corridor", 0)}))
+
+    def test_is_drawn_on_both_sides(self, paper: MapState) -> None:
+        plain, with_route = render(paper), render(paper, Drawing(route=self.ROUTE))
+        assert ROUTE not in plain
+        assert with_route.count(ROUTE) == 2 + 2 + 2  # line, ends, edge with its head, legend's
+        assert "route" in texts(with_route)
+
+    def test_is_on_the_picture_even_beyond_the_zones(self, paper: MapState) -> None:
+        far = DrawnRoute(((4.0, 7.0), (99.0, 7.0)), frozenset())
+        assert "90" in texts(render(paper, Drawing(route=far)))
+
+
+def test_a_caption_stands_below(paper: MapState) -> None:
+    assert "Step 29: <C>" in texts(render(paper, Drawing(caption="Step 29: <C>")))
+
+
+def test_parallel_edges_lie_apart() -> None:
+    zones = {"a": shapely.box(0, 0, 1, 1), "b": shapely.box(3, 0, 4, 1)}
+    state = state_of(zones)
+    edges = [Passage(*ends, (0.0, 0.0), 1, number)
+             for ends in (("a", "b"), ("b", "a")) for number in range(3)]  # fmt: skip
+    graph = TopologyGraph(state.graph.nodes, {edge.key: edge for edge in edges})
+    picture = render(replace(state, graph=graph), Drawing(layers=frozenset({Layer.GRAPH})))
+    curves = re.findall(r'd="M[^"]*Q([-\d.,]+) ', picture)
+    assert len(set(curves)) == len(curves) == 6
+
+
+class TestTrail:
+    @given(st.integers(0, 5 * TRAIL_MAX))
+    def test_is_thinned_and_ends_where_the_robot_is(self, count: int) -> None:
+        trail = [(float(step), 0.0) for step in range(1, count + 1)]
+        thin = thinned_trail(trail)
+        assert len(thin) <= TRAIL_MAX + 1
+        assert thin[-1:] == trail[-1:]
+        assert {x % trail_stride(count) for x, _ in thin[:-1]} <= {0}
+        if count <= TRAIL_MAX:
+            assert thin == trail

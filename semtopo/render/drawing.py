@@ -13,7 +13,7 @@ from semtopo.types import Point
 SIDE_MIN, SIDE_MAX = 240, 4096
 """Pixels; below, headings and axes are all that fits; 4096 squared are 64 MiB once painted."""
 
-TRAIL_MAX = 2_000
+TRAIL_MAX = 1_000
 """Positions of a trail: more would not show, and the picture stays below a megabyte."""
 
 

@@ -23,6 +23,7 @@ from service.store.progress import (
     Progress,
     Taken,
     find_progress,
+    list_positions,
     steps_after,
     trail_after,
 )
@@ -56,6 +57,7 @@ __all__ = [
     "find_step",
     "find_step_by_key",
     "find_version",
+    "list_positions",
     "list_sessions",
     "list_steps",
     "load_checkpoint",

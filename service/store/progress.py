@@ -7,14 +7,17 @@ from dataclasses import dataclass
 from typing import Any
 
 import orjson
-from sqlalchemy import Connection, Row, func, select
+from sqlalchemy import Connection, Row, func, or_, select
 
+from semtopo.types import Point
 from service.tables import api_keys, sessions, steps
 
 POSE_CHARACTERS = 200
 """An input begins with its pose: three numbers of up to 25 characters, and their names."""
 
 FETCHED_AT_ONCE = 256
+
+_HEAD = func.substr(steps.c.input, 1, POSE_CHARACTERS).label("head")
 
 
 @dataclass(frozen=True, slots=True)
@@ -65,10 +68,27 @@ def trail_after(
     return poses, changes
 
 
-def _taken(connection: Connection, session: int, seq: int, limit: int) -> Iterator[Taken]:
-    head = func.substr(steps.c.input, 1, POSE_CHARACTERS).label("head")
+def list_positions(connection: Connection, session: int, seq: int, stride: int) -> list[Point]:
+    """Return where every `stride`-th step up to step `seq` was taken, and that step itself.
+
+    In m, map frame, in order.
+    """
     query = (
-        select(steps.c.seq, head, steps.c.answer)
+        select(_HEAD)
+        .where(
+            steps.c.session == session,
+            steps.c.seq <= seq,
+            or_(steps.c.seq % stride == 0, steps.c.seq == seq),
+        )
+        .order_by(steps.c.seq)
+    )
+    poses = [orjson.loads(_pose(head)) for head in connection.execute(query).scalars()]
+    return [(pose["x"], pose["y"]) for pose in poses]
+
+
+def _taken(connection: Connection, session: int, seq: int, limit: int) -> Iterator[Taken]:
+    query = (
+        select(steps.c.seq, _HEAD, steps.c.answer)
         .where(steps.c.session == session, steps.c.seq > seq)
         .order_by(steps.c.seq)
         .limit(limit)
@@ -79,6 +99,9 @@ def _taken(connection: Connection, session: int, seq: int, limit: int) -> Iterat
 
 
 def _read(row: Row[Any, Any, Any]) -> Taken:
-    """Return a step from the head of its input, which is written by `model_dump_json`."""
-    pose = row.head.removeprefix('{"pose":').partition("}")[0] + "}"
-    return Taken(row.seq, pose, row.answer)
+    return Taken(row.seq, _pose(row.head), row.answer)
+
+
+def _pose(head: str) -> str:
+    """Return the pose in the head of an input, which is written by `model_dump_json`."""
+    return head.removeprefix('{"pose":').partition("}")[0] + "}"

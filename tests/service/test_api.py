@@ -279,7 +279,7 @@ def test_the_description_names_every_call(server: Server) -> None:
         ("post", "/sessions"), ("get", "/sessions"), ("get", below), ("delete", below),
         ("post", f"{below}/step"), ("get", f"{below}/steps"), ("get", f"{below}/graph"),
         ("get", f"{below}/zones"), ("get", f"{below}/route"), ("post", f"{below}/query"),
-        ("get", f"{below}/borders"), ("get", f"{below}/doorways"),
+        ("get", f"{below}/borders"), ("get", f"{below}/doorways"), ("get", f"{below}/map.{{form}}"),
         ("get", f"{below}/events"), ("get", f"{below}/trail"), ("get", f"{below}/scan"),
         ("get", f"{below}/world"),
         ("get", "/healthz"), ("get", "/readyz"), ("get", "/metrics"),

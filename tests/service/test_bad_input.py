@@ -301,6 +301,15 @@ QUERIES = [
     case("borders at no step", "/borders?at=-1", 422, "invalid_request"),
     *(case(f"{body} beyond", f"/{body}?at=2", 404, "unknown_step")
       for body in ("graph", "zones", "borders", "doorways")),
+    *(case(f"picture {it}", f"/map.svg?{it}", 422, "invalid_request")
+      for it in ("width=239", "height=4097", "width=-1", "width=1e3", "width=", "at=-1",
+                 "from=corridor", "to=A", "from=&to=A", f"layers={'a' * 201}")),
+    *(case(f"layers {it}", f"/map.png?layers={it}", 422, "invalid_option")
+      for it in ("", "walls", "zones,,graph", "%00", MARKER)),
+    case("picture of another kind", "/map.gif", 422, "invalid_request"),
+    case("picture beyond", "/map.png?at=2", 404, "unknown_step"),
+    case("picture of no route", "/map.png?from=A&to=corridor", 409, "no_route"),
+    case("picture of nowhere", f"/map.svg?from={MARKER}&to=A", 404, "unknown_zone"),
     case("zones at the largest", "/zones?at=2147483647", 404, "unknown_step"),
     *(case(f"bbox {it}", f"/zones?bbox={it}", 422, "invalid_request")
       for it in ("", "1,2,3", "1,2,3,4,5", "a,b,c,d", "nan,0,1,1", "inf,0,1,1", "1e1,0,20,1",
@@ -339,7 +348,17 @@ def test_a_bad_cursor(server: Server, cursor: str) -> None:
 )
 def test_a_bad_session_id(server: Server, session_id: str, status: int, code: str) -> None:
     path = f"/sessions/{session_id}"
-    for below in ("", "/graph", "/zones", "/borders", "/doorways", "/steps", "/route?from=a&to=b"):
+    for below in (
+        "",
+        "/graph",
+        "/zones",
+        "/borders",
+        "/doorways",
+        "/map.svg",
+        "/map.png",
+        "/steps",
+        "/route?from=a&to=b",
+    ):
         refused(server.client.get(path + below), status, code)
     refused(server.client.delete(path), status, code)
     refused(raw(server, f"{path}/step", text(at(0, 0))), status, code)

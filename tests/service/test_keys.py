@@ -15,6 +15,7 @@ CALLS = [
     ("GET", ""), ("DELETE", ""), ("GET", "/graph"), ("GET", "/zones"), ("GET", "/borders"),
     ("GET", "/doorways"), ("GET", "/steps"), ("GET", "/route?from=a&to=b"), ("POST", "/step"),
     ("POST", "/query"), ("GET", "/trail"), ("GET", "/scan"), ("GET", "/world"),
+    ("GET", "/map.png"),
 ]  # fmt: skip
 
 
@@ -58,7 +59,7 @@ def test_a_key_opens_its_own_sessions_only(guarded: Server) -> None:
         assert (foreign.status_code, foreign.json()["code"]) == (404, "unknown_session"), below
     listed = [call(guarded, "GET", "/sessions", key).json()["sessions"] for key in (ours, theirs)]
     assert [[one["id"] for one in some] for some in listed] == [[made.json()["id"]], []]
-    for body in ("", "/graph", "/zones", "/borders", "/doorways", "/steps"):
+    for body in ("", "/graph", "/zones", "/borders", "/doorways", "/map.svg", "/steps"):
         assert call(guarded, "GET", path + body, ours).status_code == 200
 
 

@@ -1,0 +1,93 @@
+"""Draw maps: as they are and as they were, with the robot's trail, and a route where one is asked.
+
+What is drawn once is kept in memory, for as long as the map stays as it is.
+"""
+
+from __future__ import annotations
+
+import asyncio
+from dataclasses import dataclass
+from enum import StrEnum
+from functools import partial
+
+from semtopo import MapState
+from semtopo.render import render
+from semtopo.render.drawing import DEFAULT_LAYERS, Drawing, DrawnRoute, Layer, trail_stride
+from service import store
+from service.hot import HotSession
+from service.maps import Body, Maps
+from service.painter import Painter
+from service.sessions import Sessions
+
+
+class Form(StrEnum):
+    """What a picture is written as."""
+
+    SVG = "svg"
+    PNG = "png"
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class PictureRequest:
+    """Asks for a picture of a map as of step `at`; with a route from zone to zone, if both are."""
+
+    form: Form
+    at: int | None = None
+    width: int | None = None
+    height: int | None = None
+    layers: frozenset[Layer] = DEFAULT_LAYERS
+    route: tuple[str, str] | None = None
+
+    @property
+    def kind(self) -> str:
+        """What tells its body from those of other requests for the same map."""
+        size = f"{self.width} {self.height}"
+        return f"picture {self.form} {size} {sorted(self.layers)} {self.route}"
+
+
+class Pictures:
+    """Pictures of the maps of all sessions."""
+
+    def __init__(self, sessions: Sessions, maps: Maps) -> None:
+        """Begin with nothing drawn."""
+        self._sessions = sessions
+        self._maps = maps
+        self._painter = Painter()
+
+    async def picture(self, session_id: str, asked: PictureRequest) -> Body:
+        """Return a picture of a map.
+
+        Raises
+        ------
+        InvalidOptionError
+            Its size is out of range.
+        UnknownStepError, UnknownZoneError, NoRouteError
+            The map or the route that is asked for is not there.
+        BusyError, PictureError
+            Too many pictures are asked for, or this one takes too long.
+        """
+        return await self._maps.body(
+            session_id, asked.at, asked.kind, lambda hot, state: self._drawn(hot, state, asked)
+        )
+
+    async def _drawn(self, hot: HotSession, state: MapState, asked: PictureRequest) -> bytes:
+        """Return the bytes of a picture."""
+        query = partial(
+            store.list_positions,
+            session=hot.row.number, seq=state.seq, stride=trail_stride(state.seq),
+        )  # fmt: skip
+        drawing = Drawing(
+            trail=await self._sessions.read(query),
+            layers=asked.layers, width=asked.width, height=asked.height,
+            route=await self._route(state, asked),
+        )  # fmt: skip
+        svg = await asyncio.to_thread(render, state, drawing)
+        return svg.encode() if asked.form is Form.SVG else await self._painter.png_of(svg)
+
+    async def _route(self, state: MapState, asked: PictureRequest) -> DrawnRoute | None:
+        """Return the route that is to be drawn, if any is."""
+        if asked.route is None:
+            return None
+        found = await self._maps.route_of(state, *asked.route)
+        keys = frozenset(passage.key for passage in found.passages)
+        return DrawnRoute(found.points, keys)
