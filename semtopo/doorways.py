@@ -139,29 +139,27 @@ class Doorways(Mapping[DoorwayKey, Doorway]):
         return [door for key, door in self.known.items() if older.known.get(key) is not door]
 
 
-def seen_doorways(
-    scan: Scan, strips: Strips, owner: Integers, names: Sequence[SeenName]
-) -> list[SeenDoorways]:
+def seen_doorways(strips: Strips, owner: Integers, names: Sequence[SeenName]) -> list[SeenDoorways]:
     """Return the pieces of doorways of a scan, by target and source.
 
     `owner` says of each interval in which of the zones it lies, whose names are given, or `NOWHERE`
     (intervals,). A piece lies between two strips of zones that follow on the same two beams.
     """
-    entered = strips.entering(scan)
+    entered = strips.entering()
     if len(entered) == 0:
         return []
-    left, right, size = strips.left, strips.right, len(scan.intervals)
+    left, right, size = strips.left, strips.right, len(strips.scan.intervals)
     source, target = owner[left[entered] - 1], owner[left[entered]]
     codes = left * size + right
     known = np.isin(codes[entered] - size - 1, codes) & (source != NOWHERE) & (target != NOWHERE)
     entered, pairs = entered[known], (target * len(names) + source)[known]
     if len(entered) == 0:
         return []
-    pieces = _pieces(scan, left[entered], right[entered])
+    pieces = _pieces(strips.scan, left[entered], right[entered])
     return [
         SeenDoorways(
             names[pair % len(names)], names[pair // len(names)],
-            pieces[pairs == pair], strips.shapes[entered[pairs == pair]],
+            pieces[pairs == pair], strips.polygons(entered[pairs == pair]),
         )
         for pair in np.unique(pairs).tolist()
     ]  # fmt: skip

@@ -79,15 +79,17 @@ def _ways(
     kept: Passages,
 ) -> Iterator[tuple[PassageKey, Polygons]]:
     """Yield the keys of the new passages that links speak for, each with what one enters there."""
-    seen: dict[tuple[str, str], list[Polygons]] = {}
+    seen: dict[tuple[str, str], list[Link]] = {}
     for link in links:
         source, target = (placed.names[end] for end in link.ends)
         if source != target:
-            seen.setdefault((source, target), []).append(link.strips)
-    for (source, target), strips in seen.items():
+            seen.setdefault((source, target), []).append(link)
+    for (source, target), leading in seen.items():
         ways = _by_doorway(source, target, placed) if kept is Passages.ALL else {}
         if not ways and not _is_linked(source, target, placed, passages):
-            ways = {0: strips}  # the first passage, or one whose doorway was not seen
+            ways = {
+                0: [link.strips for link in leading]
+            }  # the first passage, or one whose doorway was not seen
         for number in sorted(ways):
             if (source, target, number) not in passages:
                 yield (source, target, number), np.concatenate(ways[number])

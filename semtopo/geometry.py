@@ -38,12 +38,9 @@ def polygonal(geometry: BaseGeometry) -> Region:
 
 def union(polygons: Polygons) -> Region:
     """Return the union of at least one polygon (R12)."""
+    if len(polygons) == 1:
+        return polygonal(polygons[0])
     return polygonal(shapely.union_all(polygons))
-
-
-def coverage_union(polygons: Polygons) -> Region:
-    """Return the union of at least one polygon, fast: they share whole sides and do not overlap."""
-    return polygonal(shapely.coverage_union_all(polygons))
 
 
 def fuse(region: Region, addition: Region) -> Region:

@@ -5,7 +5,7 @@ Rectangles are closed, and the later one wins (R4), also at a place that lies ex
 
 The edges of the rectangles cut each axis into points and the gaps between them; one table entry for
 each pair says what is there. Which point or gap a coordinate lies in is known at once for most: the
-square is divided into fine strips, and only strips that an edge comes near need a closer look.
+square is divided into narrow bins, and only bins that an edge comes near need a closer look.
 """
 
 from __future__ import annotations
@@ -17,7 +17,7 @@ from numpy.typing import NDArray
 
 from semtopo.types import Floats, Integers, Point
 
-STRIPS = 1024
+BINS = 1024
 """Strips on each axis: those near an edge are few, and the two lists stay in the nearest cache."""
 
 ENTRIES_MAX = 2**15
@@ -27,8 +27,8 @@ RECTANGLES_MAX = 2**12
 """Rectangles of one window: laid out in 10 ms."""
 
 NEAR = 1 / 64
-"""Strips; an edge so near to the end of a strip is looked at there too: far above what rounding
-does to a number of strips in 32 bits."""
+"""Strips; an edge so near to the end of a bin is looked at there too: far above what rounding
+does to a number of bins in 32 bits."""
 
 SIDE = 3
 """Lengths of reach on each side: wherever one stands in the middle third, nothing is out of it."""
@@ -38,7 +38,7 @@ SIDE = 3
 class Offsets:
     """Places around a centre: `x`, `y` (n,) in m from it, none farther than `reach` in m.
 
-    `u`, `v` are the same in strips of a window made for this reach.
+    `u`, `v` are the same in bins of a window made for this reach.
     """
 
     x: Floats
@@ -50,15 +50,15 @@ class Offsets:
     @classmethod
     def of(cls, x: Floats, y: Floats, reach: float) -> Offsets:
         """Prepare places so that they can be read from many centres."""
-        scale = STRIPS / (SIDE * reach)
+        scale = BINS / (SIDE * reach)
         return cls(x, y, reach, (x * scale).astype(np.float32), (y * scale).astype(np.float32))
 
 
 @dataclass(frozen=True, slots=True, eq=False)
 class _Axis:
-    """One axis of a window: where its edges are, and what the strips know of them.
+    """One axis of a window: where its edges are, and what the bins know of them.
 
-    `places` (strips,) is the point or gap of each strip times `stride`, negative where an edge is
+    `places` (bins,) is the point or gap of each bin times `stride`, negative where an edge is
     near.
     """
 
@@ -71,17 +71,17 @@ class _Axis:
     @classmethod
     def laid(cls, edges: Floats, low: float, side: float, stride: int) -> _Axis:
         """Lay out the edges that lie between `low` and `low + side`, sorted and distinct."""
-        scale = STRIPS / side
+        scale = BINS / side
         rounding = 8 * np.spacing(abs(low) + side) * scale
         at, near = (edges - low) * scale, NEAR + rounding
-        strips = np.arange(STRIPS)
-        places = 2 * np.searchsorted(at, strips + 0.5) * stride
-        first = np.searchsorted(at, strips - near)
-        places[np.searchsorted(at, strips + 1 + near) > first] = -(2**40)
+        bins = np.arange(BINS)
+        places = 2 * np.searchsorted(at, bins + 0.5) * stride
+        first = np.searchsorted(at, bins - near)
+        places[np.searchsorted(at, bins + 1 + near) > first] = -(2**40)
         return cls(low, scale, edges, stride, places)
 
     def quick(self, offsets: NDArray[np.float32], centre: float) -> Integers:
-        """Return point or gap times stride of places at offsets in strips, negative if unsure."""
+        """Return point or gap times stride of places at offsets in bins, negative if unsure."""
         start = np.float32((centre - self.low) * self.scale)
         return self.places.take((offsets + start).astype(np.intp), mode="clip")
 

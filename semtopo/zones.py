@@ -9,8 +9,9 @@ own (R14), of those in one place.
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from dataclasses import dataclass
+from functools import partial
 
 import numpy as np
 import shapely
@@ -20,7 +21,6 @@ from semtopo.geometry import (
     Polygons,
     Region,
     apart,
-    coverage_union,
     nearest_point,
     union,
     vertex_flags,
@@ -90,15 +90,20 @@ class Zone:
 class Link:
     """Evidence in one scan that one passes from `source` to `target`.
 
-    `strips` are polygons: the ground of the target that one enters. The parts say which zones of
+    `ground` makes the `strips` when asked for: most links are known. The parts say which zones of
     these labels are meant.
     """
 
     source: str
     target: str
-    strips: Polygons
+    ground: Callable[[], Polygons]
     source_part: int = 0
     target_part: int = 0
+
+    @property
+    def strips(self) -> Polygons:
+        """The ground of the target that one enters, as polygons."""
+        return self.ground()
 
     @property
     def ends(self) -> tuple[SeenName, SeenName]:
@@ -138,46 +143,50 @@ def extract(scan: Scan, options: MappingOptions) -> SensorMap:
     Zones not above `min_zone_area` are left out (R9); so is all that has no area.
     """
     strips = find_strips(scan)
-    zones, owner = _zones(scan, strips, options)
+    zones, owner = _zones(strips, options)
     here = _nearest(zones, scan.position)
     if here is None:
         return SensorMap(scan.position, (), None, ())
     if options.edges is Edges.ADJACENT:
-        links = tuple(_adjacent_links(scan, strips, zones, owner))
+        links = tuple(_adjacent_links(strips, zones, owner))
     else:
         links = tuple(_seen_links(here, strips, zones, owner))
-    doorways = seen_doorways(scan, strips, owner, [zone.name for zone in zones])
+    doorways = seen_doorways(strips, owner, [zone.name for zone in zones])
     return SensorMap(scan.position, tuple(zones), here.label, links, tuple(doorways), here.part)
 
 
-def _zones(scan: Scan, strips: Strips, options: MappingOptions) -> tuple[list[Zone], Integers]:
+def _zones(strips: Strips, options: MappingOptions) -> tuple[list[Zone], Integers]:
     """Return the zones in the order of their names, and in which of them each interval lies.
 
     That is its place in the list, or `NOWHERE` (Alg. 2, l. 36-42; R14).
     """
-    spans, chosen = _places(scan.intervals.label), _places(scan.intervals.label[strips.left])
+    labels, label = strips.scan.labels, strips.scan.intervals.label
     zones: list[Zone] = []
-    owner = np.full(len(scan.intervals), NOWHERE)
-    for number in sorted(chosen, key=scan.labels.__getitem__):
-        region, border = _joined(strips, chosen[number]), _border(scan, spans[number])
+    owner = np.full(len(label), NOWHERE)
+    for number, chosen in sorted(_places(label[strips.left]).items(), key=lambda it: labels[it[0]]):
+        region, border = strips.region(chosen), _border(strips, chosen)
         if options.identity is Identity.LABEL:
-            places = [(region, spans[number])]
+            places = [(region, np.flatnonzero(label == number))]
         else:
-            places = list(_parts(region, scan, strips, chosen[number]))
+            places = list(_parts(region, strips, chosen))
         large = [(place, mine) for place, mine in places if place.area > options.min_zone_area]
         for part, (place, mine) in enumerate(large):
             owner[mine] = len(zones)
-            zones.append(Zone(scan.labels[number], place, border.on(place), part))
+            whole = place is region and strips.are_chains(chosen)
+            points = border if whole else border.on(place)
+            zones.append(Zone(labels[number], place, points, part))
     return zones, owner
 
 
-def _parts(
-    region: Region, scan: Scan, strips: Strips, chosen: Integers
-) -> Iterator[tuple[Region, Integers]]:
+def _parts(region: Region, strips: Strips, chosen: Integers) -> Iterator[tuple[Region, Integers]]:
     """Yield the places of one label that do not touch, the nearest first, with their intervals."""
-    place = shapely.Point(scan.position)
-    places = sorted(apart(region), key=lambda part: (part.distance(place), part.bounds))
-    inside = shapely.centroid(strips.shapes[chosen])
+    places = apart(region)
+    if len(places) == 1:
+        yield region, np.union1d(strips.left[chosen], strips.right[chosen])
+        return
+    place = shapely.Point(strips.scan.position)
+    places.sort(key=lambda part: (part.distance(place), part.bounds))
+    inside = shapely.centroid(strips.polygons(chosen))
     for part in places:
         mine = chosen[shapely.intersects(part, inside)]
         yield part, np.union1d(strips.left[mine], strips.right[mine])
@@ -191,26 +200,13 @@ def _places(numbers: Integers) -> dict[int, Integers]:
     return dict(zip(found.tolist(), parts, strict=False))
 
 
-def _joined(strips: Strips, chosen: Integers) -> Region:
-    """Return the union of the chosen strips.
-
-    Strips that share an interval share a whole side, and no two overlap; so the fast union for
-    coverages serves. It does not where an interval has two partners on one side, nor where a real
-    sensor's last beam looks along its first, which shows in the result.
-    """
-    left, right = strips.left[chosen], strips.right[chosen]
-    if len(np.unique(left)) == len(left) and len(np.unique(right)) == len(right):
-        region = coverage_union(strips.shapes[chosen])
-        if region.is_valid:
-            return region
-    return union(strips.shapes[chosen])
-
-
-def _border(scan: Scan, mine: Integers) -> Border:
-    """Return all characteristic points of the intervals of a label (Alg. 2, l. 38-39)."""
-    spans = scan.intervals
-    xy = np.concatenate([scan.near_points(mine), scan.far_points(mine)])
-    occupancy = np.concatenate([spans.near_occupancy[mine], spans.far_occupancy[mine]])
+def _border(strips: Strips, chosen: Integers) -> Border:
+    """Return the characteristic points of strips (Alg. 2, l. 38-39)."""
+    spans = strips.scan.intervals
+    joined = np.zeros(len(spans), dtype=np.bool_)
+    joined[strips.left[chosen]] = joined[strips.right[chosen]] = True
+    xy = np.concatenate([strips.near[joined], strips.far[joined]])
+    occupancy = np.concatenate([spans.near_occupancy[joined], spans.far_occupancy[joined]])
     kept = occupancy != Occupancy.NONE
     return Border(xy[kept], occupancy[kept])
 
@@ -231,26 +227,25 @@ def _seen_links(here: Zone, strips: Strips, zones: list[Zone], owner: Integers) 
     places = _places(owner[strips.left])
     for number, zone in enumerate(zones):
         if zone is not here and number in places:
-            yield _link(here, zone, strips.shapes[places[number]])
+            yield _link(here, zone, partial(strips.polygons, places[number]))
 
 
-def _adjacent_links(
-    scan: Scan, strips: Strips, zones: list[Zone], owner: Integers
-) -> Iterator[Link]:
+def _adjacent_links(strips: Strips, zones: list[Zone], owner: Integers) -> Iterator[Link]:
     """Yield a link for every pair of zones with strips that lead from one to the other (R15).
 
     Both beams of a strip must come through: one alone may have slipped through a wall. The strips
     that lead there are what one enters, and not all that is seen of the target.
     """
-    entered = strips.entering(scan)
+    entered = strips.entering()
     source, target = owner[strips.left[entered] - 1], owner[strips.left[entered]]
     known = (source != NOWHERE) & (target != NOWHERE) & (source != target)
     known &= source == owner[strips.right[entered] - 1]
     entered, pairs = entered[known], (target * len(zones) + source)[known]
     for pair, found in _places(pairs).items():
         target_number, source_number = divmod(pair, len(zones))
-        yield _link(zones[source_number], zones[target_number], strips.shapes[entered[found]])
+        ground = partial(strips.polygons, entered[found])
+        yield _link(zones[source_number], zones[target_number], ground)
 
 
-def _link(source: Zone, target: Zone, strips: Polygons) -> Link:
-    return Link(source.label, target.label, strips, source.part, target.part)
+def _link(source: Zone, target: Zone, ground: Callable[[], Polygons]) -> Link:
+    return Link(source.label, target.label, ground, source.part, target.part)

@@ -35,16 +35,14 @@ def test_polygonal_drops_lines_and_points() -> None:
     assert geometry.polygonal(mixed).equals(MultiPolygon([UNIT, FAR]))
 
 
-@pytest.mark.parametrize("join", [geometry.union, geometry.coverage_union])
-def test_union_of_neighbours_is_one_polygon(join: Join) -> None:
-    joined = join(polygons(UNIT, box(1, 0, 2, 1)))
+def test_union_of_neighbours_is_one_polygon() -> None:
+    joined = geometry.union(polygons(UNIT, box(1, 0, 2, 1)))
     assert joined.geom_type == "Polygon"
     assert joined.area == 2
 
 
-@pytest.mark.parametrize("join", [geometry.union, geometry.coverage_union])
-def test_union_of_what_does_not_meet_has_two_parts(join: Join) -> None:
-    joined = join(polygons(UNIT, FAR))
+def test_union_of_what_does_not_meet_has_two_parts() -> None:
+    joined = geometry.union(polygons(UNIT, FAR))
     assert joined.geom_type == "MultiPolygon"
     assert joined.area == 2
 

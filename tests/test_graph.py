@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from functools import partial
+
 import numpy as np
 import pytest
 from hypothesis import given
@@ -29,7 +31,7 @@ def seen(labels: str, *pairs: str, here: str = "a", position: Point = (0.5, 0.5)
     """Return a sensor map of boxes in a row; `pairs` are links, like "ab"."""
     zones = tuple(Zone(label, BOXES[label], NOTHING) for label in labels)
     ends = [(pair[0], pair[1]) for pair in pairs]
-    links = tuple(Link(source, target, ground(BOXES[target])) for source, target in ends)
+    links = tuple(Link(source, target, partial(ground, BOXES[target])) for source, target in ends)
     return SensorMap(position, zones, here, links)
 
 
