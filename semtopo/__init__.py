@@ -38,6 +38,7 @@ Readings of the paper, where it is silent or misprinted; each is cited at its li
          strip must lead from the one to the other, since one alone may slip through a wall
 """
 
+from semtopo.answers import Answer, History, answer, answer_question, understand
 from semtopo.atlas import Atlas, LabelRef, Limits, Restriction, ZoneNotes, ZoneRef
 from semtopo.borders import BorderPiece, border_pieces
 from semtopo.codec import graph_body, read_map, zones_body
@@ -51,6 +52,7 @@ from semtopo.documents import (
 )
 from semtopo.doorways import Doorway, Doorways
 from semtopo.errors import (
+    AmbiguousQuestionError,
     AmbiguousZoneError,
     InvalidInputError,
     InvalidMapError,
@@ -69,6 +71,9 @@ from semtopo.errors import (
     OutsideError,
     SemtopoError,
     TooNarrowError,
+    UnknownBorderError,
+    UnknownPositionError,
+    UnknownStepError,
     UnknownZoneError,
     UnprovedPathError,
 )
@@ -85,7 +90,8 @@ from semtopo.graph import (
 from semtopo.mapper import MapState, Stage, Step, explore, run, scan_world, step
 from semtopo.metric import MappedZone, MetricMap
 from semtopo.names import closest_names, resolve, resolve_class, resolve_one
-from semtopo.query import PathAnswer, answer
+from semtopo.phrases import phrase
+from semtopo.reading import parse
 from semtopo.route import CostModel, Place, Route, RouteRequest, find_routes, widest_place
 from semtopo.runs import LabelledRuns, from_runs
 from semtopo.scan import Scan, analyse
@@ -95,7 +101,9 @@ from semtopo.world import World, WorldZone
 from semtopo.zones import SensorMap, Zone, extract
 
 __all__ = [
+    "AmbiguousQuestionError",
     "AmbiguousZoneError",
+    "Answer",
     "Atlas",
     "BorderPiece",
     "CostModel",
@@ -103,6 +111,7 @@ __all__ = [
     "Doorways",
     "Edges",
     "FreeSpace",
+    "History",
     "Identity",
     "InvalidInputError",
     "InvalidMapError",
@@ -138,7 +147,6 @@ __all__ = [
     "PassageJoined",
     "Passages",
     "Path",
-    "PathAnswer",
     "Place",
     "Pose",
     "PoseDocument",
@@ -156,6 +164,9 @@ __all__ = [
     "Step",
     "TooNarrowError",
     "TopologyGraph",
+    "UnknownBorderError",
+    "UnknownPositionError",
+    "UnknownStepError",
     "UnknownZoneError",
     "UnprovedPathError",
     "World",
@@ -166,6 +177,7 @@ __all__ = [
     "ZoneRef",
     "analyse",
     "answer",
+    "answer_question",
     "border_pieces",
     "closest_names",
     "explore",
@@ -174,6 +186,8 @@ __all__ = [
     "from_runs",
     "graph_body",
     "measure",
+    "parse",
+    "phrase",
     "read_map",
     "resolve",
     "resolve_class",
@@ -181,6 +195,7 @@ __all__ = [
     "run",
     "scan_world",
     "step",
+    "understand",
     "widest_place",
     "zones_body",
 ]

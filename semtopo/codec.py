@@ -7,6 +7,7 @@ frame; polygons follow RFC 7946 (GeoJSON), but for the frame.
 from __future__ import annotations
 
 from collections.abc import Iterable, Mapping
+from dataclasses import fields, is_dataclass
 from typing import Any, TypeAlias
 
 import numpy as np
@@ -14,6 +15,7 @@ import orjson
 import shapely
 from shapely import Polygon
 
+from semtopo.answers import Answer
 from semtopo.errors import InvalidMapError
 from semtopo.geometry import Region
 from semtopo.graph import (
@@ -28,7 +30,6 @@ from semtopo.graph import (
 )
 from semtopo.mapper import MapState, Step
 from semtopo.metric import MappedZone, MetricMap
-from semtopo.query import PathAnswer
 from semtopo.route import Route
 from semtopo.zones import Border
 
@@ -57,8 +58,13 @@ def zones_body(state: MapState, box: Box | None = None) -> bytes:
 def graph_body(graph: TopologyGraph, seq: int) -> bytes:
     """Return a graph as it is after step `seq`: nodes, and edges with their passage points."""
     nodes = [{"id": node.zone_id, "label": node.label} for node in graph.nodes.values()]
-    edges = [{**passage_document(edge), "seq": edge.seq} for edge in graph.passages.values()]
+    edges = [edge_document(edge) for edge in graph.passages.values()]
     return to_json({"seq": seq, "nodes": nodes, "edges": edges})
+
+
+def edge_document(edge: Passage) -> Document:
+    """Return an edge of a graph, with the step that found it."""
+    return {**passage_document(edge), "seq": edge.seq}
 
 
 def step_document(step: Step) -> Document:
@@ -100,13 +106,28 @@ def route_document(route: Route) -> Document:
     }
 
 
-def answer_document(answer: PathAnswer) -> Document:
+def answer_document(answer: Answer) -> Document:
     """Return the answer to a question, as structure and in words."""
-    return {
-        "kind": "path",
-        "sentence": answer.sentence,
-        "route": route_document(answer.route),
-    }
+    return {"kind": answer.kind, **_members(answer)}
+
+
+def _members(value: Any) -> Document:  # noqa: ANN401 -- any part of an answer
+    return {one.name: _document(getattr(value, one.name)) for one in fields(value)}
+
+
+def _document(value: Any) -> Any:  # noqa: ANN401 -- any part of an answer
+    """Return a part of an answer as what JSON has for it."""
+    match value:
+        case Route():
+            return route_document(value)
+        case Passage():
+            return edge_document(value)
+        case tuple():
+            return [_document(one) for one in value]
+        case _ if is_dataclass(value):
+            return _members(value)
+        case _:
+            return value
 
 
 def read_map(zones: bytes, graph: bytes) -> MapState:

@@ -13,11 +13,15 @@
     │   └── InvalidRestrictionError
     ├── UnknownZoneError: no zone of the map has that name
     ├── AmbiguousZoneError: a name means several zones where one is asked for
-    ├── NoRouteError: both zones are known, but no passage leads on
     ├── OutsideError: a place is not in free space
     ├── TooNarrowError: there is a way, but not for a robot of that radius
     ├── NotConnectedError: two places lie in parts of free space that do not meet
-    └── UnprovedPathError: a path failed its check, and was not handed out
+    ├── UnprovedPathError: a path failed its check, and was not handed out
+    ├── AmbiguousQuestionError: a sentence asks different things
+    ├── UnknownPositionError: it is not known in which zone the robot is
+    ├── UnknownStepError: a step was not taken, or nothing is known of it
+    ├── UnknownBorderError: the map holds no borders
+    └── NoRouteError: both zones are known, but no passage leads on
 
 Each leaf has a `code` that never changes: programs may depend on it. The text is for people, and
 never repeats what came in at length.
@@ -89,9 +93,18 @@ class InvalidMapError(InvalidInputError):
 
 
 class InvalidQuestionError(InvalidInputError):
-    """A sentence that is none of the known forms."""
+    """A sentence that leaves the grammar: `expected` says what was missing at `position`.
+
+    The position is in characters from 0; `example` is a question of the kind that was begun.
+    """
 
     code: ClassVar[str] = "invalid_question"
+
+    def __init__(self, message: str, position: int, expected: str, example: str) -> None:
+        """Keep what was missing, and where."""
+        super().__init__(message)
+        self.position, self.expected, self.example = position, expected, example
+        self.facts = {"position": position, "expected": expected, "example": example}
 
 
 class InvalidRestrictionError(InvalidInputError):
@@ -101,25 +114,68 @@ class InvalidRestrictionError(InvalidInputError):
 
 
 class UnknownZoneError(SemtopoError):
-    """No zone of the map has that name; `closest` are known names that are like it."""
+    """No zone of the map has that name; `closest` are known names that are like it.
+
+    In a sentence, `position` is where the name stands, in characters from 0.
+    """
 
     code: ClassVar[str] = "unknown_zone"
 
-    def __init__(self, message: str, closest: tuple[str, ...] = ()) -> None:
+    def __init__(
+        self, message: str, closest: tuple[str, ...] = (), position: int | None = None
+    ) -> None:
         """Keep the names that may have been meant, the likest first."""
         super().__init__(message)
-        self.closest = closest
+        self.closest, self.position = closest, position
+        self.facts = {"closest": closest, **({} if position is None else {"position": position})}
 
 
 class AmbiguousZoneError(SemtopoError):
-    """A name means several zones where one is asked for: `candidates`, or some of them."""
+    """A name means several zones where one is asked for: `candidates`, or some of them.
+
+    In a sentence, `position` is where the name stands, in characters from 0.
+    """
 
     code: ClassVar[str] = "ambiguous_zone"
 
-    def __init__(self, message: str, candidates: tuple[str, ...]) -> None:
+    def __init__(
+        self, message: str, candidates: tuple[str, ...], position: int | None = None
+    ) -> None:
         """Keep the zones, or names, that may have been meant."""
         super().__init__(message)
-        self.candidates = candidates
+        self.candidates, self.position = candidates, position
+        where = {} if position is None else {"position": position}
+        self.facts = {"candidates": candidates, **where}
+
+
+class AmbiguousQuestionError(SemtopoError):
+    """A sentence that asks different things, as the map has it; `readings` says each in full."""
+
+    code: ClassVar[str] = "ambiguous_question"
+
+    def __init__(self, message: str, readings: tuple[str, ...]) -> None:
+        """Keep what may have been meant."""
+        super().__init__(message)
+        self.readings = readings
+        self.facts = {"readings": readings}
+
+
+class UnknownPositionError(SemtopoError):
+    """It is not known in which zone the robot is."""
+
+    code: ClassVar[str] = "unknown_position"
+
+
+class UnknownStepError(SemtopoError):
+    """The step was not taken yet, or nothing is known of it."""
+
+    code: ClassVar[str] = "unknown_step"
+
+
+class UnknownBorderError(SemtopoError):
+    """The borders of zones are not known, as in a map that was read back from its bodies."""
+
+    code: ClassVar[str] = "unknown_border"
 
 
 @dataclass(frozen=True, slots=True)
@@ -171,6 +227,9 @@ class NoRouteError(SemtopoError):
         self.reaching = reaching
         self.missing = missing
         self.frontier = frontier
+        self.facts = {
+            "reachable": reachable, "reaching": reaching, "missing": missing, "frontier": frontier,
+        }  # fmt: skip
 
 
 class OutsideError(SemtopoError):

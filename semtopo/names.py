@@ -32,7 +32,7 @@ def resolve(atlas: Atlas, name: str) -> tuple[str, ...]:
     AmbiguousZoneError
         Several names that mean different zones differ from this one in case alone.
     """
-    for form in (str, _written, _folded):
+    for form in (str, _written, folded):
         wanted = form(name)
         for names in _tiers(atlas):
             meanings: dict[str, list[str]] = {}
@@ -70,7 +70,7 @@ def resolve_class(atlas: Atlas, name: str) -> tuple[str, ...]:
     UnknownZoneError
         There is no such class and no such label.
     """
-    for form in (str, _written, _folded):
+    for form in (str, _written, folded):
         for names in (_classes(atlas), _labels(atlas)):
             zones = tuple(zone for known, zone in names if form(known) == form(name))
             if zones:
@@ -87,9 +87,14 @@ def closest_names(atlas: Atlas, name: str) -> tuple[str, ...]:
     return tuple(nlargest(NAMES_TOLD_MAX, alike, key=likeness.__getitem__))
 
 
+def known_names(atlas: Atlas) -> tuple[str, ...]:
+    """Return every name that means something: ids, labels, aliases and classes, each once."""
+    return tuple(dict.fromkeys(name for tier in _tiers(atlas) for name, _ in tier))
+
+
 def _pairs(name: str) -> set[str]:
     """Return the pairs of neighbouring characters of a name, its ends marked; case counts not."""
-    marked = f"\n{_folded(name)}\n"
+    marked = f"\n{folded(name)}\n"
     return {marked[at : at + 2] for at in range(len(marked) - 1)}
 
 
@@ -102,7 +107,8 @@ def _written(name: str) -> str:
     return unicodedata.normalize("NFC", name)
 
 
-def _folded(name: str) -> str:
+def folded(name: str) -> str:
+    """Return a name in the form in which those are alike that differ in case alone."""
     return unicodedata.normalize("NFC", unicodedata.normalize("NFC", name).casefold())
 
 

@@ -1,4 +1,4 @@
-"""The command `semtopo`: map a drive, ask for a route, serve over HTTP.
+"""The command `semtopo`: map a drive, ask about a map, serve over HTTP.
 
 Bad input of any sort gives exit status 2 and one line on stderr, never a traceback.
 """
@@ -18,17 +18,16 @@ import typer
 from pydantic import ValidationError
 
 from semtopo import codec
-from semtopo.atlas import Atlas
+from semtopo.answers import answer
 from semtopo.documents import SensorDocument
 from semtopo.errors import InvalidOptionError, SemtopoError
 from semtopo.formats.fault import describe_fault
-from semtopo.query import answer
 from semtopo.sensor import Sensor
 from semtopo.types import Edges, MappingOptions
+from service.folder import read_folder
 from service.mapping_run import (
     Drive,
     TimedStep,
-    read_map,
     recorded_drive,
     simulated_drive,
     timed_steps,
@@ -162,8 +161,9 @@ def route(
     *,
     json: Annotated[bool, typer.Option("--json", help="Answer as JSON.")] = False,
 ) -> None:
-    """Answer a question about the way from zone to zone."""
-    found = answer(Atlas(read_map(directory)), question)
+    """Answer a question about a map: the way, what lies where, what changed."""
+    folder = read_folder(directory)
+    found = answer(folder.atlas, question, folder.history)
     typer.echo(codec.to_json(codec.answer_document(found)).decode() if json else found.sentence)
 
 

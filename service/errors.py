@@ -13,12 +13,6 @@ class UnknownSessionError(SemtopoError):
     code: ClassVar[str] = "unknown_session"
 
 
-class UnknownStepError(SemtopoError):
-    """The session has not taken that step yet."""
-
-    code: ClassVar[str] = "unknown_step"
-
-
 class NoWorldError(SemtopoError):
     """A step without a scan was sent to a session that has no world to sense."""
 

@@ -115,11 +115,6 @@ def write_map(steps: Iterable[TimedStep], directory: Path) -> MapState:
     return state
 
 
-def read_map(directory: Path) -> MapState:
-    """Read back a map that `write_map` wrote."""
-    return codec.read_map((directory / ZONES).read_bytes(), (directory / GRAPH).read_bytes())
-
-
 def _step_line(taken: TimedStep) -> bytes:
     document = {**codec.step_document(taken.step), "timings_ms": taken.timings_ms}
     return codec.to_json(document) + b"\n"

@@ -8,12 +8,13 @@ from dataclasses import dataclass
 from functools import partial
 
 from semtopo import (
+    Answer,
     Atlas,
     MapState,
-    PathAnswer,
     Place,
     Route,
     RouteRequest,
+    UnknownStepError,
     answer,
     find_routes,
     resolve,
@@ -21,7 +22,6 @@ from semtopo import (
 )
 from semtopo.codec import graph_body
 from semtopo.exports.sight import sight_body
-from service.errors import UnknownStepError
 from service.history import scan_at, state_at
 from service.hot import HotSession, entity_tag
 from service.recent import Recent
@@ -99,10 +99,14 @@ class Maps:
         )
         return (await asyncio.to_thread(find_routes, atlas, request))[0]
 
-    async def answer(self, session_id: str, text: str) -> PathAnswer:
-        """Return the answer to a sentence."""
+    async def answer(self, session_id: str, text: str) -> Answer:
+        """Return the answer to a sentence; in the thread that it takes, it may read older maps."""
         hot = await self._sessions.find(session_id)
-        return await asyncio.to_thread(answer, Atlas(hot.state), text)
+
+        def history(seq: int) -> MapState:
+            return self._sessions.read_here(partial(state_at, hot=hot, seq=seq))
+
+        return await asyncio.to_thread(answer, Atlas(hot.state), text, history)
 
     async def state(self, hot: HotSession, at: int | None) -> MapState:
         """Return the map of a session: now, or as of step `at`; raises UnknownStepError."""

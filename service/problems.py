@@ -17,6 +17,7 @@ from starlette.exceptions import HTTPException
 from starlette.routing import Match
 
 from semtopo.errors import (
+    AmbiguousQuestionError,
     AmbiguousZoneError,
     InvalidInputError,
     InvalidMapError,
@@ -25,6 +26,9 @@ from semtopo.errors import (
     OutsideError,
     SemtopoError,
     TooNarrowError,
+    UnknownBorderError,
+    UnknownPositionError,
+    UnknownStepError,
     UnknownZoneError,
     UnprovedPathError,
 )
@@ -42,7 +46,6 @@ from service.errors import (
     UnauthorizedError,
     UnknownKeyError,
     UnknownSessionError,
-    UnknownStepError,
     VersionMismatchError,
 )
 
@@ -53,6 +56,9 @@ STATUS: dict[type[SemtopoError], int] = {
     UnauthorizedError: 401,
     UnknownKeyError: 404,
     AmbiguousZoneError: 409,
+    AmbiguousQuestionError: 409,
+    UnknownPositionError: 409,
+    UnknownBorderError: 409,
     NoRouteError: 409,
     OutsideError: 409,
     TooNarrowError: 409,

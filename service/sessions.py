@@ -84,7 +84,7 @@ class Sessions:
 
     async def read(self, query: Callable[[Connection], Result]) -> Result:
         """Run a query in a thread, in a transaction that sees one state."""
-        return await asyncio.to_thread(self._read_now, query)
+        return await asyncio.to_thread(self.read_here, query)
 
     async def commit(self, change: Callable[[Connection], Result]) -> Result:
         """Run a change in a transaction, commit it, and return its result; see `Writer`."""
@@ -97,6 +97,7 @@ class Sessions:
             lock = self._turns[session_id] = asyncio.Lock()
         return lock
 
-    def _read_now(self, query: Callable[[Connection], Result]) -> Result:
+    def read_here(self, query: Callable[[Connection], Result]) -> Result:
+        """Run a query in this thread, in a transaction that sees one state."""
         with self._database.reader.begin() as connection:
             return query(connection)

@@ -18,18 +18,19 @@ LAYERS = [
     {"errors"}, {"types"}, {"geometry", "window"},
     {"inset", "triangulation", "world"}, {"taut"}, {"bottleneck"}, {"freespace"},
     {"sensor"}, {"scan"}, {"runs", "strips"}, {"doorways"}, {"zones"}, {"metric"}, {"placement"},
-    {"borders", "graph"}, {"findings"}, {"mapper"}, {"atlas"},
-    {"names", "route"}, {"query"},
+    {"borders", "graph"}, {"findings"}, {"mapper"},
+    {"atlas", "expectations", "grammar", "questions"}, {"names", "phrases", "reading", "route"},
+    {"answers"},
     {"codec", "documents"},
     {"exports", "formats", "render"}, {"semtopo"},
 ]  # fmt: skip
 """The rooms of the library, from the ground up: each may know those below it."""
 
 PURE = {
-    "__future__", "collections", "colorsys", "csv", "dataclasses", "enum", "functools", "gzip",
-    "heapq", "io", "itertools", "math", "re", "types", "typing", "unicodedata", "xml.sax.saxutils",
-    "zlib",
-    "networkx", "numpy", "orjson", "pydantic", "shapely",
+    "__future__", "collections", "colorsys", "contextlib", "csv", "dataclasses", "enum",
+    "functools", "gzip", "heapq", "io", "itertools", "math", "re", "types", "typing",
+    "unicodedata", "xml.sax.saxutils", "zlib",
+    "lark", "networkx", "numpy", "orjson", "pydantic", "shapely",
 }  # fmt: skip
 """What the library may import: nothing that reads files, clocks, chance or the network."""
 

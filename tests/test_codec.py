@@ -13,6 +13,8 @@ from hypothesis import given
 from hypothesis import strategies as st
 from hypothesis.extra import numpy as arrays
 
+from semtopo.answers import answer
+from semtopo.answers.values import PathAnswer
 from semtopo.atlas import Atlas
 from semtopo.codec import (
     answer_document,
@@ -31,7 +33,6 @@ from semtopo.codec import (
 from semtopo.errors import InvalidMapError
 from semtopo.mapper import MapState, Step, explore
 from semtopo.metric import MappedZone, MetricMap
-from semtopo.query import answer
 from semtopo.sensor import Sensor
 from semtopo.types import MappingOptions, Occupancy
 from semtopo.zones import Border
@@ -182,6 +183,7 @@ def test_steps_tell_what_they_found() -> None:
 
 def test_routes_and_answers() -> None:
     found = answer(Atlas(row_of_rooms()[-1].state), "path from a to b")
+    assert isinstance(found, PathAnswer)
     document = json.loads(to_json(answer_document(found)))
     assert document["kind"] == "path"
     assert document["route"] == json.loads(to_json(route_document(found.route)))

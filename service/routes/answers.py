@@ -7,10 +7,10 @@ from typing import Annotated
 import orjson
 from fastapi import APIRouter, Query, Request, Response
 
-from semtopo.codec import answer_document, route_document
+from semtopo.codec import route_document
 from service.parameters import SessionId, ZoneName, maps_of
 from service.replies import JsonBytes
-from service.schemas.answers import QueryAnswer, QueryRequest, RouteAnswer
+from service.schemas.answers import RouteAnswer
 from service.schemas.problems import problems
 
 router = APIRouter(tags=["answers"], responses=problems(401, 413, 422, 503))
@@ -30,14 +30,3 @@ async def read_route(
     """Find the route with the fewest passages, then the shortest between passage points."""
     route = await maps_of(request).route(session_id, source, target)
     return JsonBytes(orjson.dumps(route_document(route)))
-
-
-@router.post(
-    "/sessions/{session_id}/query",
-    response_model=QueryAnswer,
-    responses=problems(400, 404, 409, 415),
-)
-async def ask(request: Request, session_id: SessionId, question: QueryRequest) -> Response:
-    """Answer a question in words, such as "path from corridor to C"."""
-    answer = await maps_of(request).answer(session_id, question.text)
-    return JsonBytes(orjson.dumps(answer_document(answer)))

@@ -8,9 +8,9 @@ from typing import Annotated
 import orjson
 from fastapi import APIRouter, Header, Query, Request, Response
 
-from semtopo import WorldDocument
+from semtopo import UnknownStepError, WorldDocument
 from service import store
-from service.errors import NoWorldError, UnknownStepError
+from service.errors import NoWorldError
 from service.parameters import (
     AfterStep,
     AtStep,

@@ -1,21 +1,10 @@
-"""Questions, and the routes that answer them."""
+"""Routes, as they are answered."""
 
 from __future__ import annotations
 
-from typing import Annotated, Literal
+from pydantic import BaseModel
 
-from pydantic import BaseModel, Field
-
-from semtopo.documents import Document
 from semtopo.types import Point
-
-TEXT_MAX = 2_000  # characters of a question
-
-
-class QueryRequest(Document):
-    """A question in words."""
-
-    text: Annotated[str, Field(strict=True, min_length=1, max_length=TEXT_MAX)]
 
 
 class RoutePassage(BaseModel):
@@ -34,11 +23,3 @@ class RouteAnswer(BaseModel):
     zones: list[str]
     passages: list[RoutePassage]
     length: float
-
-
-class QueryAnswer(BaseModel):
-    """The answer to a question."""
-
-    kind: Literal["path"]
-    sentence: str
-    route: RouteAnswer

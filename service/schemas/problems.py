@@ -6,6 +6,8 @@ from typing import Any
 
 from pydantic import BaseModel
 
+from semtopo.errors import MissingPassage, NearestFrontier
+
 
 class Mistake(BaseModel):
     """One mistake in a request."""
@@ -23,7 +25,16 @@ class ProblemAnswer(BaseModel):
     code: str
     detail: str
     errors: list[Mistake] | None = None
-    expected: int | None = None
+    expected: int | str | None = None
+    position: int | None = None
+    example: str | None = None
+    readings: list[str] | None = None
+    closest: list[str] | None = None
+    candidates: list[str] | None = None
+    reachable: list[str] | None = None
+    reaching: list[str] | None = None
+    missing: MissingPassage | None = None
+    frontier: NearestFrontier | None = None
 
 
 def problems(*statuses: int) -> dict[int | str, dict[str, Any]]:

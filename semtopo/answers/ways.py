@@ -1,0 +1,169 @@
+"""Answers about ways: paths with stops, connections, distances, the nearest of a class."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterator, Sequence
+from itertools import islice, pairwise
+from typing import TypeAlias
+
+from semtopo.answers.bearings import goals_of, start_of, zone_of, zones_of
+from semtopo.answers.values import (
+    ConnectionAnswer,
+    DistanceAnswer,
+    Gap,
+    NearestAnswer,
+    PathAnswer,
+)
+from semtopo.atlas import Atlas
+from semtopo.errors import NoRouteError
+from semtopo.phrases import TOLD_MAX, at, capitalised, counted, listed
+from semtopo.questions import (
+    ConnectionQuestion,
+    DistanceQuestion,
+    Leg,
+    Nearest,
+    NearestQuestion,
+    PathQuestion,
+)
+from semtopo.route import Place, Route, RouteRequest, find_routes
+
+WayQuestion: TypeAlias = PathQuestion | ConnectionQuestion | DistanceQuestion | NearestQuestion
+WayAnswer: TypeAlias = PathAnswer | ConnectionAnswer | DistanceAnswer | NearestAnswer
+
+
+def answer_way(atlas: Atlas, question: WayQuestion) -> WayAnswer:
+    """Answer a question about a way."""
+    match question:
+        case PathQuestion():
+            return path(atlas, question)
+        case ConnectionQuestion():
+            return connection(atlas, question)
+        case DistanceQuestion():
+            return distance(atlas, question)
+        case NearestQuestion():
+            return nearest(atlas, question)
+
+
+def path(atlas: Atlas, question: PathQuestion) -> PathAnswer:
+    """Answer with the way along all legs; raises NoRouteError for the first that has none."""
+    legs = tuple(_routes(atlas, start_of(atlas, question.start), question.legs))
+    route = _joined(legs)
+    return PathAnswer(_described(route), route, legs)
+
+
+def connection(atlas: Atlas, question: ConnectionQuestion) -> ConnectionAnswer:
+    """Answer whether there is a way along all legs, and with the gap if there is none."""
+    try:
+        route = _joined(tuple(_routes(atlas, start_of(atlas, question.start), question.legs)))
+    except NoRouteError as gap:
+        found = Gap(gap.reachable, gap.reaching, gap.missing, gap.frontier)
+        return ConnectionAnswer(f"No. {gap}", connected=False, gap=found)
+    return ConnectionAnswer(f"Yes. {_described(route)}", connected=True, route=route)
+
+
+def distance(atlas: Atlas, question: DistanceQuestion) -> DistanceAnswer:
+    """Answer how far it is; raises NoRouteError where there is no way."""
+    route = _one_route(atlas, start_of(atlas, question.start), Leg(question.goal))
+    extent = f"{route.length:.1f} m, through {counted(len(route.passages), 'passage')}"
+    sentence = f"From {route.source} to {route.target} it is {extent}."
+    return DistanceAnswer(sentence, route.length, route)
+
+
+def nearest(atlas: Atlas, question: NearestQuestion) -> NearestAnswer:
+    """Answer which zone of a class is nearest; raises NoRouteError where there is no way to any."""
+    leg = Leg(Nearest(question.zone_class))
+    route = _one_route(atlas, start_of(atlas, question.start), leg)
+    sentence = f"The nearest is {route.target}. {_described(route)}"
+    return NearestAnswer(sentence, route.target, route)
+
+
+def _routes(atlas: Atlas, start: Place, legs: Sequence[Leg]) -> Iterator[Route]:
+    """Yield the best route of each leg; each begins where the one before ends."""
+    for leg in legs:
+        route = _one_route(atlas, start, leg)
+        yield route
+        start = Place(route.target, route.points[-1])
+
+
+def _one_route(atlas: Atlas, start: Place, leg: Leg) -> Route:
+    request = RouteRequest(
+        start=start,
+        goals=goals_of(atlas, leg.goal),
+        via=tuple(zone_of(atlas, name) for name in leg.via),
+        avoid_zones=frozenset(zone for name in leg.avoiding for zone in zones_of(atlas, name)),
+    )
+    try:
+        return find_routes(atlas, request)[0]
+    except NoRouteError as gap:
+        raise NoRouteError(
+            _refusal(request, gap),
+            reachable=gap.reachable,
+            reaching=gap.reaching,
+            missing=gap.missing,
+            frontier=gap.frontier,
+        ) from None
+
+
+def _joined(legs: Sequence[Route]) -> Route:
+    """Return legs, each of which begins where the one before ends, as one route."""
+    first, *others = legs
+    return Route(
+        (*first.zones, *(zone for leg in others for zone in leg.zones[1:])),
+        tuple(passage for leg in legs for passage in leg.passages),
+        (*first.points, *(point for leg in others for point in leg.points[1:])),
+        math.fsum(leg.cost for leg in legs),
+        math.fsum(leg.length for leg in legs),
+    )
+
+
+def _described(route: Route) -> str:
+    """Return a route in words, up to `TOLD_MAX` passages of it."""
+    if not route.passages:
+        return f"You are in {route.target} already."
+    moves = zip(route.passages, pairwise(route.zones), strict=True)
+    told = [
+        f"leave {left} {at(passage.point)} into {entered}"
+        for passage, (left, entered) in islice(moves, TOLD_MAX)
+    ]
+    if len(route.passages) > len(told):
+        told.append(f"{len(route.passages) - len(told)} passages more")
+    extent = f"{route.length:.1f} m, {counted(len(route.passages), 'passage')}"
+    return capitalised(f"{', then '.join(told)}: {extent}.")
+
+
+def _refusal(request: RouteRequest, gap: NoRouteError) -> str:
+    """Say why there is no way, with all that is known of the gap."""
+    start = request.start.zone_id
+    goal = listed([place.zone_id for place in request.goals], "or")
+    via = f" via {listed(request.via)}" if request.via else ""
+    avoiding = f" avoiding {listed(sorted(request.avoid_zones))}" if request.avoid_zones else ""
+    missing = gap.missing
+    why = (
+        f": {missing.source} -> {missing.target} is not known, though "
+        f"{missing.target} -> {missing.source} has been since step {missing.since}"
+        if missing
+        else ""
+    )
+    return " ".join(
+        [
+            f"There is no way from {start} to {goal}{via}{avoiding} yet{why}.",
+            *_known_ways(start, goal, gap),
+            *_way_out(gap),
+        ]
+    )
+
+
+def _known_ways(start: str, goal: str, gap: NoRouteError) -> Iterator[str]:
+    """Say which zones can be reached from the start, and from which the goal can be reached."""
+    onwards = [zone for zone in gap.reachable if zone != start]
+    yield f"From {start} one reaches {listed(onwards) if onwards else 'no other zone'}."
+    before = [zone for zone in gap.reaching if zone != goal]
+    yield f"One reaches {goal} from {listed(before) if before else 'no other zone'}."
+
+
+def _way_out(gap: NoRouteError) -> Iterator[str]:
+    """Say where exploring may help, if anywhere."""
+    if gap.frontier is not None:
+        where = f"{at(gap.frontier.point)} in {gap.frontier.zone_id}"
+        yield f"The frontier nearest to closing the gap is {where}."

@@ -1,0 +1,75 @@
+"""Read back what `semtopo map` wrote into a folder, so that it can be asked.
+
+The zones and the graph are those of the last step; of earlier ones only findings are known, and
+where the robot was. Borders are not known.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+from functools import partial
+from pathlib import Path
+from typing import Any
+
+import orjson
+
+from semtopo import codec
+from semtopo.answers import History
+from semtopo.atlas import Atlas
+from semtopo.errors import InvalidMapError, UnknownStepError
+from semtopo.mapper import MapState
+from service.mapping_run import GRAPH, STEPS, ZONES, naming
+
+
+@dataclass(frozen=True, slots=True)
+class Folder:
+    """A map, and what is known of its earlier steps."""
+
+    atlas: Atlas
+    history: History
+
+
+def read_folder(directory: Path) -> Folder:
+    """Read a folder; without its steps, the map alone.
+
+    Raises
+    ------
+    InvalidMapError
+        The files are none that `semtopo map` wrote.
+    OSError
+        A file cannot be read.
+    """
+    zones, graph = (directory / ZONES).read_bytes(), (directory / GRAPH).read_bytes()
+    state = codec.read_map(zones, graph)
+    steps = _read_steps(directory / STEPS)
+    return Folder(Atlas(_placed(state, steps)), partial(_placed_at, state, steps))
+
+
+def _read_steps(file: Path) -> list[dict[str, Any]]:
+    """Return the answers of all steps, in order; none if the file is not there."""
+    try:
+        lines = file.read_bytes().splitlines()
+    except FileNotFoundError:
+        return []
+    with naming(file):
+        try:
+            steps = [orjson.loads(line) for line in lines]
+        except ValueError:
+            raise InvalidMapError("a line is not JSON") from None
+        if any(not isinstance(step, dict) or "here" not in step for step in steps):
+            raise InvalidMapError("a line is no step")
+        return steps
+
+
+def _placed_at(state: MapState, steps: Sequence[dict[str, Any]], seq: int) -> MapState:
+    """Return what is known of the map after a step: its graph, and where the robot was."""
+    if not 0 < seq <= len(steps):
+        raise UnknownStepError("The folder does not tell of that step.")
+    return _placed(MapState(seq, graph=state.graph.at(seq)), steps)
+
+
+def _placed(state: MapState, steps: Sequence[dict[str, Any]]) -> MapState:
+    """Return a map with the zone where the robot was after its last step, as far as is known."""
+    here = steps[state.seq - 1]["here"] if 0 < state.seq <= len(steps) else None
+    return replace(state, here=here) if here in state.graph.nodes else state
