@@ -26,6 +26,7 @@ from service.gate import KeyGate
 from service.maps import Maps
 from service.metrics import CountResponses, Metrics
 from service.openapi import DescribedApi
+from service.page import add_page
 from service.pictures import Pictures
 from service.protocol import PatientProtocol
 from service.routes import router
@@ -59,6 +60,7 @@ def create_app(settings: Settings, database: Database) -> FastAPI:
     app.state.database = database
     problems.register(app)
     app.include_router(router)
+    add_page(app)
     # the files of Swagger UI come with a package, so that /docs works without internet
     swagger = resources.files("fastapi_swagger") / "resources"
     app.mount("/docs/files", StaticFiles(directory=str(swagger)))

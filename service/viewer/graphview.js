@@ -1,0 +1,212 @@
+/** The topology graph on its canvas: a node for each zone, an arrow for each passage. */
+
+import { Camera } from "./camera.js";
+import { Stage } from "./canvas.js";
+import { byId } from "./dom.js";
+import { growBox, noBox } from "./geometry.js";
+import { handle } from "./gestures.js";
+import { HALF_HEIGHT, layOut } from "./graphlayout.js";
+import { font } from "./labels.js";
+import { colour, shade } from "./palette.js";
+
+const BEND = 16; // pixels; the two directions of a pair bend to opposite sides
+const ARROW = 9;
+
+export class GraphView {
+  /** @param {import("./session.js").Session} session */
+  constructor(session) {
+    this.session = session;
+    this.camera = new Camera();
+    this.touched = false;
+    /** @type {Map<string, import("./graphlayout.js").Placed>} */
+    this.placed = new Map();
+    const canvas = (this.canvas = byId("graph").cloneNode());
+    byId("graph").replaceWith(canvas);
+    this.stage = new Stage(canvas, (context, ratio) => this.draw(context, ratio), (width, height) => {
+      this.camera.resize(width, height);
+      if (!this.touched) this.fit();
+    });
+    handle(canvas, this.camera, {
+      moved: () => { this.touched = true; this.stage.invalidate(); },
+      fit: () => this.fit(),
+      tapped: (px, py) => session.store.set({ selected: this.hit(px, py) }),
+      hovered: (at) => this.hovered(at),
+      key: () => false,
+    });
+    byId("graph-in").onclick = () => { this.camera.zoom(1.4); this.stage.invalidate(); };
+    byId("graph-out").onclick = () => { this.camera.zoom(1 / 1.4); this.stage.invalidate(); };
+    byId("graph-fit").onclick = () => this.fit();
+    session.store.on(["graph", "moment"], () => this.changed());
+    session.store.on(["at", "hover", "selected", "answer", "restrictions", "seq"], () => this.stage.invalidate());
+  }
+
+  /** Lay out anew where there are other nodes than before. */
+  changed() {
+    const { nodes } = this.session.state.graph;
+    const newest = new Map(this.session.state.moment.zones.map((zone) => [zone.id, zone]));
+    const known = nodes.every((node) => this.placed.has(node.id)) && nodes.length === this.placed.size;
+    if (!known && nodes.every((node) => newest.has(node.id))) {
+      const context = this.stage.context;
+      context.font = font(13);
+      this.placed = layOut(nodes, newest, (words) => context.measureText(words).width);
+      if (!this.touched) this.fit();
+    }
+    const hint = byId("graph-hint");
+    hint.hidden = nodes.length > 0;
+    hint.textContent = "Each zone becomes a node, each passage an arrow.";
+    this.stage.invalidate();
+  }
+
+  fit() {
+    const box = noBox();
+    for (const { x, y, half } of this.placed.values()) growBox(box, [[x - half, y - HALF_HEIGHT], [x + half, y + HALF_HEIGHT]]);
+    this.touched = false;
+    this.camera.fit(this.placed.size > 0 ? box : [-1, -1, 1, 1], 1.25);
+    this.stage.invalidate();
+  }
+
+  /** @param {import("./model.js").Edge} edge @returns {[number, number][] | null} start, bend and end in pixels of the layout */
+  curve(edge) {
+    const a = this.placed.get(edge.source);
+    const b = this.placed.get(edge.target);
+    if (!a || !b) return null;
+    const length = Math.max(Math.hypot(b.x - a.x, b.y - a.y), 1e-9);
+    const bend = (BEND * (1 + edge.n)) / length;
+    /** @type {[number, number]} */
+    const middle = [(a.x + b.x) / 2 + (b.y - a.y) * bend * 1.4, (a.y + b.y) / 2 - (b.x - a.x) * bend * 1.4];
+    return [edgeOf(a, middle, 2), middle, edgeOf(b, middle, 4)];
+  }
+
+  /** @param {number} px @param {number} py @returns {{kind: "zone" | "edge", id: string} | null} */
+  hit(px, py) {
+    const [x, y] = this.camera.toMap(px, py);
+    const { nodes, edges } = this.session.graphShown();
+    const node = nodes.find(({ id }) => {
+      const one = this.placed.get(id);
+      return one && Math.abs(x - one.x) <= one.half && Math.abs(y - one.y) <= HALF_HEIGHT;
+    });
+    if (node) return { kind: "zone", id: node.id };
+    let best = 8 / Math.min(this.camera.scale, 1);
+    let found = null;
+    for (const edge of edges) {
+      const curve = this.curve(edge);
+      for (let t = 0.05; curve && t < 1; t += 0.05) {
+        const [cx, cy] = along(curve, t);
+        const distance = Math.hypot(cx - x, cy - y);
+        if (distance < best) [best, found] = [distance, edge];
+      }
+    }
+    return found && { kind: "edge", id: found.key };
+  }
+
+  /** @param {[number, number] | null} at */
+  hovered(at) {
+    const found = at && this.hit(...at);
+    const { hover } = this.session.state;
+    if (found?.id !== hover?.id || found?.kind !== hover?.kind) this.session.store.set({ hover: found });
+    this.canvas.classList.toggle("pointing", Boolean(found));
+  }
+
+  /** @param {CanvasRenderingContext2D} context @param {number} ratio */
+  draw(context, ratio) {
+    context.setTransform(ratio, 0, 0, ratio, 0, 0);
+    context.fillStyle = colour("panel");
+    context.fillRect(0, 0, this.camera.width, this.camera.height);
+    const { nodes, edges } = this.session.graphShown();
+    const { hover, selected, answer } = this.session.state;
+    const lit = new Set([hover, selected].filter((one) => one !== null).map((one) => `${one.kind} ${one.id}`));
+    const route = new Set(answer?.edges ?? []);
+    const s = this.camera.scale * ratio;
+    context.setTransform(s, 0, 0, s, (this.camera.width / 2) * ratio - this.camera.x * s, (this.camera.height / 2) * ratio + this.camera.y * s);
+    for (const edge of edges) this.drawEdge(context, edge, lit.has(`edge ${edge.key}`), route.has(edge.key));
+    for (const missing of answer?.missingEdges ?? []) this.drawMissing(context, missing);
+    for (const node of nodes) this.drawNode(context, node.id, lit.has(`zone ${node.id}`), answer?.zones.includes(node.id));
+  }
+
+  /** @param {CanvasRenderingContext2D} context @param {import("./model.js").Edge} edge @param {boolean} lit @param {boolean} onRoute */
+  drawEdge(context, edge, lit, onRoute) {
+    const curve = this.curve(edge);
+    if (!curve) return;
+    const closed = this.session.closing(edge);
+    const source = this.placed.get(edge.source);
+    context.strokeStyle = onRoute ? colour("route") : closed ? colour("bad") : shade(source?.number ?? 0).line;
+    context.fillStyle = context.strokeStyle;
+    context.lineWidth = lit || onRoute ? 3.5 : 1.6;
+    context.setLineDash(closed ? [3, 5] : []);
+    arrow(context, curve);
+    context.setLineDash([]);
+  }
+
+  /** @param {CanvasRenderingContext2D} context @param {{source: string, target: string}} missing */
+  drawMissing(context, missing) {
+    const curve = this.curve({ key: "", n: 0, point: [0, 0], seq: 0, ...missing });
+    if (!curve) return;
+    context.strokeStyle = context.fillStyle = colour("bad");
+    context.lineWidth = 2.5;
+    context.setLineDash([8, 6]);
+    arrow(context, curve);
+    context.setLineDash([]);
+  }
+
+  /** @param {CanvasRenderingContext2D} context @param {string} id @param {boolean} lit @param {boolean} onRoute */
+  drawNode(context, id, lit, onRoute) {
+    const one = this.placed.get(id);
+    if (!one) return;
+    const { area, line, text } = shade(one.number);
+    context.beginPath();
+    context.roundRect(one.x - one.half, -one.y - HALF_HEIGHT, 2 * one.half, 2 * HALF_HEIGHT, HALF_HEIGHT);
+    context.fillStyle = area;
+    context.fill();
+    context.strokeStyle = onRoute ? colour("route") : line;
+    context.lineWidth = lit || onRoute ? 3 : 1.5;
+    context.stroke();
+    if (this.camera.scale < 0.35) return; // too small to read
+    context.font = font(13);
+    context.textAlign = "center";
+    context.textBaseline = "middle";
+    context.fillStyle = text;
+    context.fillText(one.words, one.x, -one.y + 0.5);
+  }
+}
+
+/** @param {[number, number][]} curve @param {number} t @returns {[number, number]} */
+function along([a, m, b], t) {
+  const u = 1 - t;
+  return [u * u * a[0] + 2 * u * t * m[0] + t * t * b[0], u * u * a[1] + 2 * u * t * m[1] + t * t * b[1]];
+}
+
+/** Where a line from the middle of a node to a place leaves its pill. @param {import("./graphlayout.js").Placed} node @param {[number, number]} to @param {number} gap @returns {[number, number]} */
+function edgeOf(node, to, gap) {
+  const dx = to[0] - node.x;
+  const dy = to[1] - node.y;
+  const core = node.half - HALF_HEIGHT;
+  const radius = HALF_HEIGHT + gap;
+  let far = 1;
+  let near = 0;
+  for (let round = 0; round < 14; round += 1) {
+    const t = (near + far) / 2;
+    const outside = Math.hypot(Math.max(Math.abs(dx * t) - core, 0), dy * t) > radius;
+    if (outside) far = t;
+    else near = t;
+  }
+  return [node.x + dx * far, node.y + dy * far];
+}
+
+/** @param {CanvasRenderingContext2D} context y points down here @param {[number, number][]} curve */
+function arrow(context, [start, middle, end]) {
+  const length = Math.max(Math.hypot(end[0] - middle[0], end[1] - middle[1]), 1e-9);
+  const ux = (end[0] - middle[0]) / length;
+  const uy = (end[1] - middle[1]) / length;
+  const base = [end[0] - ARROW * ux, end[1] - ARROW * uy];
+  context.beginPath();
+  context.moveTo(start[0], -start[1]);
+  context.quadraticCurveTo(middle[0], -middle[1], base[0], -base[1]);
+  context.stroke();
+  context.setLineDash([]);
+  context.beginPath();
+  context.moveTo(end[0], -end[1]);
+  context.lineTo(base[0] - uy * ARROW * 0.45, -(base[1] + ux * ARROW * 0.45));
+  context.lineTo(base[0] + uy * ARROW * 0.45, -(base[1] - ux * ARROW * 0.45));
+  context.closePath();
+  context.fill();
+}

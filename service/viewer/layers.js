@@ -1,0 +1,177 @@
+/** The layers of the map, from the ground up. Each draws in m, with the camera applied. */
+
+import { colour, shade } from "./palette.js";
+import { meet } from "./geometry.js";
+
+/** @typedef {CanvasRenderingContext2D} Context */
+/** @typedef {import("./camera.js").Camera} Camera */
+
+/** @param {Context} context @param {Camera} camera @param {number} ratio the unexplored: dim, with a dot each metre */
+export function drawGround(context, camera, ratio) {
+  context.setTransform(ratio, 0, 0, ratio, 0, 0);
+  context.fillStyle = colour("dim");
+  context.fillRect(0, 0, camera.width, camera.height);
+  let step = 1;
+  while (step * camera.scale < 22) step *= 5;
+  if (step > 1e5) return;
+  const [x0, y0, x1, y1] = camera.window;
+  context.fillStyle = colour("dots");
+  for (let x = Math.ceil(x0 / step) * step; x <= x1; x += step) {
+    for (let y = Math.ceil(y0 / step) * step; y <= y1; y += step) {
+      const [px, py] = camera.toScreen(x, y);
+      context.fillRect(px - 0.75, py - 0.75, 1.5, 1.5);
+    }
+  }
+}
+
+/** @param {Context} context @param {Camera} camera @param {any} world what the simulated sensor senses */
+export function drawWorld(context, camera, world) {
+  context.lineWidth = 1 / camera.scale;
+  context.strokeStyle = colour("world");
+  context.setLineDash([3 / camera.scale, 3 / camera.scale]);
+  context.stroke(world.space);
+  context.stroke(world.obstacle);
+  context.setLineDash([]);
+}
+
+/** @param {Context} context @param {Camera} camera @param {import("./model.js").Zone[]} zones */
+export function drawZones(context, camera, zones) {
+  const { window } = camera;
+  context.lineWidth = 1 / camera.scale;
+  context.lineJoin = "round";
+  for (const zone of zones) {
+    if (!meet(zone.box, window)) continue;
+    const { area, line } = shade(zone.number);
+    context.fillStyle = area;
+    context.fill(zone.path, "evenodd");
+    if ((zone.box[2] - zone.box[0]) * camera.scale < 4) continue;
+    context.strokeStyle = line;
+    context.globalAlpha = 0.55;
+    context.stroke(zone.path);
+    context.globalAlpha = 1;
+  }
+}
+
+/** @param {Context} context @param {any[]} doorways */
+export function drawDoorways(context, doorways) {
+  context.fillStyle = colour("passage-soft");
+  for (const doorway of doorways) context.fill(doorway.path, "evenodd");
+}
+
+/** @param {Context} context @param {Camera} camera @param {any} borders */
+export function drawBorders(context, camera, borders) {
+  const pixel = 1 / camera.scale;
+  context.lineCap = "round";
+  context.lineJoin = "round";
+  context.lineWidth = 2.25 * pixel;
+  context.strokeStyle = colour("wall");
+  context.stroke(borders.obstacle);
+  context.strokeStyle = colour("passage");
+  context.lineWidth = 3 * pixel;
+  context.stroke(borders.passage);
+  context.strokeStyle = colour("frontier");
+  context.lineWidth = 2.25 * pixel;
+  context.setLineDash([5 * pixel, 5 * pixel]);
+  context.stroke(borders.free);
+  context.setLineDash([]);
+}
+
+/** @param {Context} context @param {Camera} camera @param {[number, number, number][]} poses @param {number} count */
+export function drawTrail(context, camera, poses, count) {
+  context.beginPath();
+  let pen = false;
+  let last = [Infinity, Infinity];
+  const least = 1.5 / camera.scale; // nearer points would not show
+  for (let n = 0; n < count; n += 1) {
+    const pose = poses[n];
+    if (!pose) { pen = false; continue; }
+    if (pen && n < count - 1 && Math.abs(pose[0] - last[0]) + Math.abs(pose[1] - last[1]) < least) continue;
+    if (pen) context.lineTo(pose[0], pose[1]);
+    else context.moveTo(pose[0], pose[1]);
+    pen = true;
+    last = pose;
+  }
+  context.lineWidth = 1.5 / camera.scale;
+  context.strokeStyle = colour("trail");
+  context.setLineDash([1.5 / camera.scale, 4 / camera.scale]);
+  context.lineCap = "round";
+  context.stroke();
+  context.setLineDash([]);
+}
+
+/** @param {Context} context @param {Camera} camera @param {any} sight */
+export function drawBeams(context, camera, sight) {
+  const { x, y } = sight.pose;
+  context.fillStyle = colour("beam");
+  context.strokeStyle = colour("beam");
+  context.lineWidth = 1 / camera.scale;
+  context.globalAlpha = sight.ends.length > 200 ? 0.12 : 0.3;
+  context.beginPath();
+  for (const end of sight.ends) {
+    context.moveTo(x, y);
+    context.lineTo(end[0], end[1]);
+  }
+  context.stroke();
+  context.globalAlpha = 0.9;
+  const r = 1.6 / camera.scale;
+  for (const end of sight.ends) context.fillRect(end[0] - r, end[1] - r, 2 * r, 2 * r);
+  context.globalAlpha = 1;
+}
+
+/** @param {Context} context @param {Camera} camera @param {[number, number, number]} pose */
+export function drawRobot(context, camera, [x, y, theta]) {
+  const size = 9 / camera.scale;
+  context.save();
+  context.translate(x, y);
+  context.rotate(theta);
+  context.beginPath();
+  context.arc(0, 0, size, 0, 2 * Math.PI);
+  context.fillStyle = colour("robot");
+  context.fill();
+  context.lineWidth = 2.5 / camera.scale;
+  context.strokeStyle = colour("halo");
+  context.stroke();
+  context.beginPath();
+  context.moveTo(size * 0.7, 0);
+  context.lineTo(-size * 0.35, size * 0.5);
+  context.lineTo(-size * 0.35, -size * 0.5);
+  context.closePath();
+  context.fillStyle = colour("halo");
+  context.fill();
+  context.restore();
+}
+
+/** @param {Context} context @param {Camera} camera @param {[number, number][]} points @param {string} stroke @param {number} width */
+export function drawLine(context, camera, points, stroke, width) {
+  context.beginPath();
+  points.forEach(([x, y], n) => (n === 0 ? context.moveTo(x, y) : context.lineTo(x, y)));
+  context.lineCap = "round";
+  context.lineJoin = "round";
+  context.lineWidth = (width + 3) / camera.scale;
+  context.strokeStyle = colour("halo");
+  context.stroke();
+  context.lineWidth = width / camera.scale;
+  context.strokeStyle = stroke;
+  context.stroke();
+}
+
+/** @param {Context} context @param {Camera} camera @param {[number, number]} point @param {{fill: string, closed?: boolean, large?: boolean}} look */
+export function drawPoint(context, camera, [x, y], { fill, closed = false, large = false }) {
+  const r = (large ? 7 : 4.5) / camera.scale;
+  context.beginPath();
+  context.arc(x, y, r, 0, 2 * Math.PI);
+  context.fillStyle = fill;
+  context.fill();
+  context.lineWidth = 2 / camera.scale;
+  context.strokeStyle = colour("halo");
+  context.stroke();
+  if (!closed) return;
+  context.beginPath();
+  context.moveTo(x - r, y - r);
+  context.lineTo(x + r, y + r);
+  context.moveTo(x - r, y + r);
+  context.lineTo(x + r, y - r);
+  context.lineWidth = 2.5 / camera.scale;
+  context.strokeStyle = colour("bad");
+  context.stroke();
+}

@@ -1,0 +1,204 @@
+/** The metric map on its canvas: what is known, where the robot is, and what was asked for. */
+
+import { Camera } from "./camera.js";
+import { Stage } from "./canvas.js";
+import { byId, el } from "./dom.js";
+import { growBox, inside, isEmpty, meet, noBox } from "./geometry.js";
+import { handle } from "./gestures.js";
+import { drawLabels } from "./labels.js";
+import * as layers from "./layers.js";
+import { colour, shade } from "./palette.js";
+
+const HIT_PIXELS = 10;
+const LAYERS = { walls: "Walls, passages, frontiers", beams: "Beams", trail: "Trail", names: "Names", world: "The simulated world" };
+
+export class MapView {
+  /** @param {import("./session.js").Session} session @param {(x: number, y: number) => void} driveTo @param {(event: KeyboardEvent) => boolean} driveKey */
+  constructor(session, driveTo, driveKey) {
+    this.session = session;
+    this.camera = new Camera();
+    this.fitted = false;
+    this.driveTo = driveTo;
+    /** @type {Record<keyof typeof LAYERS, boolean>} */
+    this.shown = { walls: true, beams: true, trail: true, names: true, world: false };
+    const canvas = (this.canvas = byId("map").cloneNode());
+    byId("map").replaceWith(canvas); // a canvas of its own for each session
+    this.stage = new Stage(canvas, (context, ratio) => this.draw(context, ratio), (width, height) => {
+      this.camera.resize(width, height);
+      if (!this.fitted) this.fit();
+    });
+    handle(canvas, this.camera, {
+      moved: () => { this.fitted = true; this.stage.invalidate(); },
+      fit: () => this.fit(),
+      tapped: (px, py) => this.tapped(px, py),
+      hovered: (at) => this.hovered(at),
+      key: (event) => this.key(event, driveKey),
+    });
+    byId("map-in").onclick = () => { this.camera.zoom(1.4); this.stage.invalidate(); };
+    byId("map-out").onclick = () => { this.camera.zoom(1 / 1.4); this.stage.invalidate(); };
+    byId("map-fit").onclick = () => this.fit();
+    this.buildMenu();
+    session.store.on(["moment", "poses", "seq", "at", "hover", "selected", "answer", "restrictions", "world", "driving", "graph"], () => this.changed());
+  }
+
+  get state() {
+    return this.session.state;
+  }
+
+  buildMenu() {
+    byId("layer-menu").replaceChildren(...Object.entries(LAYERS).map(([name, words]) => {
+      const key = /** @type {keyof typeof LAYERS} */ (name);
+      const box = el("input", { type: "checkbox", checked: this.shown[key], onchange: () => {
+        this.shown[key] = box.checked;
+        this.stage.invalidate();
+      } });
+      return el("label", {}, box, words);
+    }));
+  }
+
+  changed() {
+    const { moment, poses, driving, world, selected } = this.state;
+    if (!this.fitted || !this.seen) this.fit();
+    this.canvas.classList.toggle("driving", driving);
+    const hint = byId("map-hint");
+    hint.hidden = moment.zones.length > 0 || poses.length > 0;
+    hint.textContent = world
+      ? "Nothing is explored yet. Press Drive, then click where the robot should begin."
+      : "Nothing is explored yet. The map begins with the first scan that the robot sends.";
+    this.stage.invalidate();
+    void selected;
+  }
+
+  /** @returns {import("./geometry.js").Box} */
+  extent() {
+    const { moment, poses, world, driving } = this.state;
+    const box = noBox();
+    for (const zone of moment.zones) growBox(box, [[zone.box[0], zone.box[1]], [zone.box[2], zone.box[3]]]);
+    for (const pose of poses) if (pose) growBox(box, [[pose[0], pose[1]]]);
+    if (world && (isEmpty(box) || driving || this.shown.world)) growBox(box, [[world.box[0], world.box[1]], [world.box[2], world.box[3]]]);
+    return isEmpty(box) ? [-5, -5, 5, 5] : box;
+  }
+
+  fit() {
+    this.seen = this.state.moment.zones.length > 0 || this.state.world !== null;
+    this.camera.fit(this.extent());
+    this.fitted = false;
+    this.stage.invalidate();
+  }
+
+  /** @param {KeyboardEvent} event @param {(event: KeyboardEvent) => boolean} driveKey */
+  key(event, driveKey) {
+    if (event.key === "Escape" && this.state.selected) {
+      this.session.store.set({ selected: null });
+      return true;
+    }
+    return this.state.driving && driveKey(event);
+  }
+
+  /** @param {number} px @param {number} py @returns {{kind: "zone" | "edge", id: string} | null} */
+  hit(px, py) {
+    const { edges } = this.session.graphShown();
+    let best = HIT_PIXELS;
+    let found = null;
+    for (const edge of edges) {
+      const [x, y] = this.camera.toScreen(...edge.point);
+      const distance = Math.hypot(x - px, y - py);
+      if (distance < best) [best, found] = [distance, edge];
+    }
+    if (found) return { kind: "edge", id: found.key };
+    const [x, y] = this.camera.toMap(px, py);
+    const { zones } = this.state.moment;
+    for (let n = zones.length - 1; n >= 0; n -= 1) {
+      if (meet(zones[n].box, [x, y, x, y]) && inside(x, y, zones[n].rings)) return { kind: "zone", id: zones[n].id };
+    }
+    return null;
+  }
+
+  /** @param {number} px @param {number} py */
+  tapped(px, py) {
+    const found = this.hit(px, py);
+    if (this.state.driving && found?.kind !== "edge") this.driveTo(...this.camera.toMap(px, py));
+    else this.session.store.set({ selected: found });
+  }
+
+  /** @param {[number, number] | null} at */
+  hovered(at) {
+    const found = at && this.hit(...at);
+    const { hover } = this.state;
+    if (found?.id !== hover?.id || found?.kind !== hover?.kind) this.session.store.set({ hover: found });
+    this.canvas.classList.toggle("pointing", Boolean(found) && !this.state.driving);
+    const tip = byId("map-tip");
+    const edge = found?.kind === "edge" && this.state.graph.edges.find((one) => one.key === found.id);
+    tip.hidden = !(edge && at);
+    if (!edge || !at) return;
+    tip.textContent = `${edge.source} \u2192 ${edge.target}${this.session.closing(edge) ? ", closed" : ""}`;
+    const left = Math.min(at[0] + 14, this.camera.width - tip.offsetWidth - 4);
+    tip.style.transform = `translate(${left}px, ${Math.max(at[1] - 34, 4)}px)`;
+  }
+
+  /** @param {CanvasRenderingContext2D} context @param {number} ratio */
+  draw(context, ratio) {
+    const { camera, shown } = this;
+    const { moment, poses, world, driving } = this.state;
+    layers.drawGround(context, camera, ratio);
+    camera.apply(context, ratio);
+    if (world && (shown.world || driving)) layers.drawWorld(context, camera, world);
+    layers.drawZones(context, camera, moment.zones);
+    if (moment.doorways) layers.drawDoorways(context, moment.doorways);
+    if (shown.walls && moment.borders) layers.drawBorders(context, camera, moment.borders);
+    this.drawLit(context);
+    const step = this.session.shown;
+    if (shown.trail) layers.drawTrail(context, camera, poses, step);
+    if (shown.beams && moment.sight?.pose && moment.sight.seq === step) layers.drawBeams(context, camera, moment.sight);
+    this.drawAnswer(context);
+    this.drawPassages(context);
+    if (poses[step - 1]) layers.drawRobot(context, camera, poses[step - 1]);
+    context.setTransform(ratio, 0, 0, ratio, 0, 0);
+    if (shown.names) drawLabels(context, camera, moment.zones, this.lit());
+  }
+
+  /** @returns {Set<string>} zones that are hovered or selected, or ends of a passage that is */
+  lit() {
+    const lit = new Set();
+    for (const one of [this.state.hover, this.state.selected]) {
+      if (one?.kind === "zone") lit.add(one.id);
+      if (one?.kind === "edge") JSON.parse(one.id).slice(0, 2).forEach((/** @type {string} */ id) => lit.add(id));
+    }
+    return lit;
+  }
+
+  /** @param {CanvasRenderingContext2D} context */
+  drawLit(context) {
+    const lit = this.lit();
+    for (const zone of this.state.moment.zones) {
+      if (!lit.has(zone.id)) continue;
+      context.lineWidth = 3.5 / this.camera.scale;
+      context.strokeStyle = shade(zone.number).line;
+      context.stroke(zone.path);
+    }
+  }
+
+  /** @param {CanvasRenderingContext2D} context */
+  drawPassages(context) {
+    const { hover, selected, moment } = this.state;
+    const numbers = new Map(moment.zones.map((zone) => [zone.id, zone.number]));
+    for (const edge of this.session.graphShown().edges) {
+      const large = [hover, selected].some((one) => one?.kind === "edge" && one.id === edge.key);
+      if (!large && this.camera.scale < 6 && numbers.size > 60) continue;
+      const fill = shade(numbers.get(edge.source) ?? 0).line;
+      layers.drawPoint(context, this.camera, edge.point, { fill, large, closed: Boolean(this.session.closing(edge)) });
+    }
+  }
+
+  /** @param {CanvasRenderingContext2D} context */
+  drawAnswer(context) {
+    const { answer } = this.state;
+    if (!answer) return;
+    for (const line of answer.lines) layers.drawLine(context, this.camera, line, colour("route"), 3.5);
+    for (const point of answer.points) layers.drawPoint(context, this.camera, point, { fill: colour("route"), large: true });
+    context.setLineDash([8 / this.camera.scale, 6 / this.camera.scale]);
+    for (const line of answer.missing) layers.drawLine(context, this.camera, line, colour("bad"), 2.5);
+    context.setLineDash([]);
+    for (const point of answer.frontiers) layers.drawPoint(context, this.camera, point, { fill: colour("frontier"), large: true });
+  }
+}

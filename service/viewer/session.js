@@ -1,0 +1,275 @@
+/** One session: read it, follow it, and go back in time. Views listen to its store. */
+
+import { getJson, sessionPath } from "./api.js";
+import { complain } from "./dom.js";
+import { bordersOf, doorwaysOf, graphOf, worldOf, zonesOf } from "./model.js";
+import { Store } from "./store.js";
+import { follow } from "./stream.js";
+
+const REFRESH_MS = 120; // between two readings of a map that grows
+const SETTLE_MS = 50; // a slider that rests so long is worth asking for
+const KEPT = 60; // moments
+
+/**
+ * @typedef {object} Moment what is known of a map at one step
+ * @property {number} seq
+ * @property {import("./model.js").Zone[]} zones
+ * @property {any} [borders]
+ * @property {any[]} [doorways]
+ * @property {any} [sight]
+ */
+
+export class Session {
+  /** @param {string} id */
+  constructor(id) {
+    this.id = id;
+    this.path = sessionPath(id);
+    this.store = new Store({
+      /** @type {any} */ session: null,
+      seq: 0,
+      /** @type {number | null} the step that is looked at; null is live */ at: null,
+      /** @type {[number, number, number][]} x, y, theta of each step */ poses: [],
+      /** @type {any[]} steps that found something */ changes: [],
+      /** @type {Moment} */ moment: { seq: 0, zones: [] },
+      exact: true,
+      /** @type {ReturnType<typeof graphOf>} the newest */ graph: { nodes: [], edges: [] },
+      /** @type {any} */ world: null,
+      /** @type {any[]} */ restrictions: [],
+      /** @type {any} */ answer: null,
+      /** @type {{kind: "zone" | "edge", id: string} | null} */ hover: null,
+      /** @type {{kind: "zone" | "edge", id: string} | null} */ selected: null,
+      link: "waiting",
+      driving: false,
+    });
+    /** @type {Map<string, import("./model.js").Zone>} */
+    this.known = new Map();
+    /** @type {Map<number, Moment>} */
+    this.moments = new Map();
+    this.ended = new AbortController();
+    /** @type {AbortController | null} */
+    this.going = null;
+    this.dirty = false;
+    this.reading = false;
+    this.graphIsOld = false;
+    this.settle = 0;
+  }
+
+  get state() {
+    return this.store.state;
+  }
+
+  /** The step that is shown. */
+  get shown() {
+    return this.state.at ?? this.state.seq;
+  }
+
+  /** Read what is needed to see something, then the rest, then follow. */
+  async open() {
+    const [session, zones, graph] = await Promise.all([
+      this.get(""), this.get("/zones"), this.get("/graph"),
+    ]);
+    const seq = zones.seq;
+    this.store.set({ session, seq, graph: graphOf(graph), moment: { seq, zones: zonesOf(zones, this.known) } });
+    this.stop = follow(`${this.path}/events`, seq, {
+      told: (event, data) => this.told(event, data),
+      link: (link) => this.store.set({ link }),
+      outdated: () => void this.reopen(),
+    });
+    await Promise.all([this.readTrail(), this.refresh(), this.readRestrictions(), this.readWorld()]);
+  }
+
+  close() {
+    this.ended.abort();
+    this.going?.abort();
+    this.stop?.();
+  }
+
+  /** @param {string} rest @param {AbortSignal} [signal] */
+  get(rest, signal = this.ended.signal) {
+    return getJson(this.path + rest, signal);
+  }
+
+  /** The log is not what it was: somebody put another database there, or the session is gone. */
+  async reopen() {
+    this.stop?.();
+    try {
+      await this.get("");
+      location.reload();
+    } catch (error) {
+      this.store.set({ link: "gone" });
+      complain(error);
+    }
+  }
+
+  async readTrail() {
+    for (let after = 0; after !== null; ) {
+      const page = await this.get(`/trail?after=${after}`);
+      const poses = this.state.poses.slice();
+      page.poses.forEach((/** @type {any} */ pose, /** @type {number} */ n) => { poses[page.first - 1 + n] = pose; });
+      const seen = new Set(this.state.changes.map((one) => one.seq));
+      const changes = [...this.state.changes, ...page.changes.filter((/** @type {any} */ one) => !seen.has(one.seq))];
+      this.store.set({ poses, changes: changes.sort((one, other) => one.seq - other.seq) });
+      after = page.next;
+    }
+  }
+
+  async readRestrictions() {
+    const { restrictions } = await this.get("/restrictions").catch((error) => {
+      if (error.code === "not_found") return { restrictions: [] };
+      throw error;
+    });
+    this.store.set({ restrictions });
+  }
+
+  async readWorld() {
+    if (this.state.session.world) this.store.set({ world: worldOf(await this.get("/world")) });
+  }
+
+  /** @param {string} event @param {any} data */
+  told(event, data) {
+    if (event === "step") this.stepped(data);
+    else if (event === "change") this.readRestrictions().catch(complain);
+    else if (event === "deleted") {
+      this.stop?.();
+      this.store.set({ link: "gone" });
+      complain("This session was deleted. What you see is the last that was known.");
+    }
+  }
+
+  /** @param {any} step */
+  stepped(step) {
+    const { poses } = this.state;
+    poses[step.seq - 1] = [step.pose.x, step.pose.y, step.pose.theta];
+    const changes = step.events.length > 0 ? [...this.state.changes, step] : this.state.changes;
+    if (step.events.length > 0) this.graphIsOld = true;
+    this.store.set({ seq: Math.max(step.seq, this.state.seq), poses: poses.slice(), changes });
+    if (this.state.at === null || step.events.length > 0) void this.refresh();
+  }
+
+  /** Read the newest map; while it is read, further calls lead to one more reading. */
+  async refresh() {
+    this.dirty = true;
+    if (this.reading) return;
+    this.reading = true;
+    try {
+      while (this.dirty && !this.ended.signal.aborted) {
+        this.dirty = false;
+        await this.readNewest();
+        await new Promise((resolve) => setTimeout(resolve, REFRESH_MS));
+      }
+    } catch (error) {
+      complain(error);
+    } finally {
+      this.reading = false;
+    }
+  }
+
+  async readNewest() {
+    const wanted = this.graphIsOld ? this.get("/graph") : null;
+    this.graphIsOld = false;
+    const [zones, borders, doorways, sight, graph] = await Promise.all([
+      this.get("/zones"), this.get("/borders"), this.get("/doorways"), this.get("/scan"), wanted,
+    ]);
+    const moment = this.keep(zones, borders, doorways, sight);
+    if (graph) this.store.set({ graph: graphOf(graph) });
+    if (this.state.at === null) this.store.set({ moment, exact: true });
+  }
+
+  /** @param {any} zones @param {any} borders @param {any} doorways @param {any} sight @returns {Moment} */
+  keep(zones, borders, doorways, sight) {
+    const moment = {
+      seq: zones.seq, zones: zonesOf(zones, this.known), borders: bordersOf(borders),
+      doorways: doorwaysOf(doorways), sight,
+    };
+    this.moments.set(moment.seq, moment);
+    for (const seq of this.moments.keys()) {
+      if (this.moments.size <= KEPT) break;
+      this.moments.delete(seq);
+    }
+    this.forget();
+    return moment;
+  }
+
+  /** Let go of zones of moments that are let go. */
+  forget() {
+    if (this.known.size < 4 * (this.state.moment.zones.length + 500)) return;
+    const used = new Set([...this.moments.values(), this.state.moment].flatMap((moment) => moment.zones));
+    for (const [key, zone] of this.known) if (!used.has(zone)) this.known.delete(key);
+  }
+
+  /**
+   * Show a step, or what is live: at once what can be told from maps that are known, then the map as it was.
+   * @param {number | null} at
+   */
+  go(at) {
+    this.going?.abort();
+    this.going = null;
+    clearTimeout(this.settle);
+    if (at === null || at >= this.state.seq) {
+      this.store.set({ at: null });
+      void this.refresh();
+    } else if (!this.recall(at)) {
+      this.store.set({ at, moment: { seq: at, zones: this.union(at) }, exact: false });
+      this.settle = setTimeout(() => this.fetchMoment(at).catch(complain), SETTLE_MS);
+    }
+  }
+
+  /** Show a step on the way through many: one map is fetched at a time, and shown when it comes. @param {number} at */
+  play(at) {
+    clearTimeout(this.settle);
+    if (this.recall(at)) return;
+    const zones = this.state.moment.zones.filter((zone) => zone.since <= at);
+    this.store.set({ at, moment: { ...this.state.moment, zones }, exact: false });
+    if (!this.going) this.fetchMoment(at).catch(complain);
+  }
+
+  /** @param {number} at @returns {boolean} whether the map was known, and is shown */
+  recall(at) {
+    const known = this.moments.get(at);
+    if (!known) return false;
+    this.moments.delete(at);
+    this.moments.set(at, known); // it is the most recent one now
+    this.store.set({ at, moment: known, exact: true });
+    return true;
+  }
+
+  /** @param {number} at @returns {import("./model.js").Zone[]} the zones there were, as large as they are known */
+  union(at) {
+    const newest = this.moments.get(Math.max(...this.moments.keys()));
+    const zones = new Map([...(newest?.zones ?? []), ...this.state.moment.zones].map((zone) => [zone.id, zone]));
+    return [...zones.values()].filter((zone) => zone.since <= at).sort((one, other) => one.number - other.number);
+  }
+
+  /** @param {number} at */
+  async fetchMoment(at) {
+    const going = (this.going = new AbortController());
+    try {
+      const parts = ["/zones", "/borders", "/doorways", "/scan"];
+      const [zones, borders, doorways, sight] = await Promise.all(
+        parts.map((part) => this.get(`${part}?at=${at}`, going.signal)),
+      );
+      const moment = this.keep(zones, borders, doorways, sight);
+      if (this.state.at === at) this.store.set({ moment, exact: true });
+      else if (this.state.at !== null && this.state.at > at) this.store.set({ moment });
+    } finally {
+      if (this.going === going) this.going = null;
+    }
+  }
+
+  /** @returns {{nodes: any[], edges: import("./model.js").Edge[]}} the graph at the step that is shown */
+  graphShown() {
+    const { graph, at, moment } = this.state;
+    if (at === null) return graph;
+    const zones = new Set(moment.zones.map((zone) => zone.id));
+    return {
+      nodes: graph.nodes.filter((node) => zones.has(node.id)),
+      edges: graph.edges.filter((edge) => edge.seq <= at && zones.has(edge.source) && zones.has(edge.target)),
+    };
+  }
+
+  /** @param {import("./model.js").Edge} edge @returns {any | undefined} what closes it */
+  closing(edge) {
+    return this.state.restrictions.find((one) => one.closed && one.passage &&
+      one.passage.source === edge.source && one.passage.target === edge.target && (one.passage.n ?? 0) === edge.n);
+  }
+}
