@@ -56,6 +56,16 @@ export class Camera {
     this.y += y - ny;
   }
 
+  /** How much larger lines and letters are on a wall than on a desk. */
+  get size() {
+    return Math.min(Math.max(Math.min(this.width, this.height) / 700, 1), 1.7);
+  }
+
+  /** A pixel in m, or somewhat more on a wall. */
+  get pixel() {
+    return this.size / this.scale;
+  }
+
   /** @returns {import("./geometry.js").Box} what can be seen, in m */
   get window() {
     const [x0, y1] = this.toMap(0, 0);

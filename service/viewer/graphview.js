@@ -61,7 +61,7 @@ export class GraphView {
     const box = noBox();
     for (const { x, y, half } of this.placed.values()) growBox(box, [[x - half, y - HALF_HEIGHT], [x + half, y + HALF_HEIGHT]]);
     this.touched = false;
-    this.camera.fit(this.placed.size > 0 ? box : [-1, -1, 1, 1], 1.25);
+    this.camera.fit(this.placed.size > 0 ? box : [-1, -1, 1, 1], 1.25 * this.camera.size);
     this.stage.invalidate();
   }
 

@@ -3,7 +3,7 @@
 import { meet } from "./geometry.js";
 import { colour, shade } from "./palette.js";
 
-const SIZES = [15, 13, 12, 11];
+const SIZES = [16, 14, 12, 11];
 const LENGTH_MAX = 28;
 
 /** @type {Map<string, number>} widths of names at a size of 1 px */
@@ -40,6 +40,7 @@ export function shortened(label, most = LENGTH_MAX) {
  */
 export function drawLabels(context, camera, zones, wanted) {
   const { window, scale } = camera;
+  const sizes = SIZES.map((size) => size * camera.size);
   const seen = zones.filter((zone) => meet(zone.box, window) && (wanted.has(zone.id) ||
     (Math.max(zone.box[2] - zone.box[0], zone.box[3] - zone.box[1]) * scale > 14)));
   seen.sort((one, other) => Number(wanted.has(other.id)) - Number(wanted.has(one.id)) || other.area - one.area);
@@ -57,7 +58,7 @@ export function drawLabels(context, camera, zones, wanted) {
     const [px, py] = camera.toScreen(x, y);
     const must = wanted.has(zone.id);
     const across = Math.max(2 * r, 0.9 * (zone.box[2] - zone.box[0]) * (r > 0 ? 1 : 0)) * scale;
-    const size = SIZES.find((one) => one * width <= across && one <= 2.2 * r * scale) ?? (must ? 12 : 0);
+    const size = sizes.find((one) => one * width <= across && one <= 2.2 * r * scale) ?? (must ? 12 * camera.size : 0);
     if (size === 0) continue;
     const half = (size * width) / 2 + 2;
     /** @type {import("./geometry.js").Box} */

@@ -26,9 +26,9 @@ export function drawGround(context, camera, ratio) {
 
 /** @param {Context} context @param {Camera} camera @param {any} world what the simulated sensor senses */
 export function drawWorld(context, camera, world) {
-  context.lineWidth = 1 / camera.scale;
+  context.lineWidth = camera.pixel;
   context.strokeStyle = colour("world");
-  context.setLineDash([3 / camera.scale, 3 / camera.scale]);
+  context.setLineDash([3 * camera.pixel, 3 * camera.pixel]);
   context.stroke(world.space);
   context.stroke(world.obstacle);
   context.setLineDash([]);
@@ -37,7 +37,7 @@ export function drawWorld(context, camera, world) {
 /** @param {Context} context @param {Camera} camera @param {import("./model.js").Zone[]} zones */
 export function drawZones(context, camera, zones) {
   const { window } = camera;
-  context.lineWidth = 1 / camera.scale;
+  context.lineWidth = camera.pixel;
   context.lineJoin = "round";
   for (const zone of zones) {
     if (!meet(zone.box, window)) continue;
@@ -60,7 +60,7 @@ export function drawDoorways(context, doorways) {
 
 /** @param {Context} context @param {Camera} camera @param {any} borders */
 export function drawBorders(context, camera, borders) {
-  const pixel = 1 / camera.scale;
+  const { pixel } = camera;
   context.lineCap = "round";
   context.lineJoin = "round";
   context.lineWidth = 2.25 * pixel;
@@ -81,7 +81,7 @@ export function drawTrail(context, camera, poses, count) {
   context.beginPath();
   let pen = false;
   let last = [Infinity, Infinity];
-  const least = 1.5 / camera.scale; // nearer points would not show
+  const least = 1.5 * camera.pixel; // nearer points would not show
   for (let n = 0; n < count; n += 1) {
     const pose = poses[n];
     if (!pose) { pen = false; continue; }
@@ -91,9 +91,9 @@ export function drawTrail(context, camera, poses, count) {
     pen = true;
     last = pose;
   }
-  context.lineWidth = 1.5 / camera.scale;
+  context.lineWidth = 1.5 * camera.pixel;
   context.strokeStyle = colour("trail");
-  context.setLineDash([1.5 / camera.scale, 4 / camera.scale]);
+  context.setLineDash([1.5 * camera.pixel, 4 * camera.pixel]);
   context.lineCap = "round";
   context.stroke();
   context.setLineDash([]);
@@ -104,7 +104,7 @@ export function drawBeams(context, camera, sight) {
   const { x, y } = sight.pose;
   context.fillStyle = colour("beam");
   context.strokeStyle = colour("beam");
-  context.lineWidth = 1 / camera.scale;
+  context.lineWidth = camera.pixel;
   context.globalAlpha = sight.ends.length > 200 ? 0.12 : 0.3;
   context.beginPath();
   for (const end of sight.ends) {
@@ -113,14 +113,14 @@ export function drawBeams(context, camera, sight) {
   }
   context.stroke();
   context.globalAlpha = 0.9;
-  const r = 1.6 / camera.scale;
+  const r = 1.6 * camera.pixel;
   for (const end of sight.ends) context.fillRect(end[0] - r, end[1] - r, 2 * r, 2 * r);
   context.globalAlpha = 1;
 }
 
 /** @param {Context} context @param {Camera} camera @param {[number, number, number]} pose */
 export function drawRobot(context, camera, [x, y, theta]) {
-  const size = 9 / camera.scale;
+  const size = 9 * camera.pixel;
   context.save();
   context.translate(x, y);
   context.rotate(theta);
@@ -128,7 +128,7 @@ export function drawRobot(context, camera, [x, y, theta]) {
   context.arc(0, 0, size, 0, 2 * Math.PI);
   context.fillStyle = colour("robot");
   context.fill();
-  context.lineWidth = 2.5 / camera.scale;
+  context.lineWidth = 2.5 * camera.pixel;
   context.strokeStyle = colour("halo");
   context.stroke();
   context.beginPath();
@@ -147,7 +147,7 @@ export function drawLine(context, camera, points, stroke, width) {
   points.forEach(([x, y], n) => (n === 0 ? context.moveTo(x, y) : context.lineTo(x, y)));
   context.lineCap = "round";
   context.lineJoin = "round";
-  context.lineWidth = (width + 3) / camera.scale;
+  context.lineWidth = (width + 3) * camera.pixel;
   context.strokeStyle = colour("halo");
   context.stroke();
   context.lineWidth = width / camera.scale;
@@ -157,12 +157,12 @@ export function drawLine(context, camera, points, stroke, width) {
 
 /** @param {Context} context @param {Camera} camera @param {[number, number]} point @param {{fill: string, closed?: boolean, large?: boolean}} look */
 export function drawPoint(context, camera, [x, y], { fill, closed = false, large = false }) {
-  const r = (large ? 7 : 4.5) / camera.scale;
+  const r = (large ? 7 : 4.5) * camera.pixel;
   context.beginPath();
   context.arc(x, y, r, 0, 2 * Math.PI);
   context.fillStyle = fill;
   context.fill();
-  context.lineWidth = 2 / camera.scale;
+  context.lineWidth = 2 * camera.pixel;
   context.strokeStyle = colour("halo");
   context.stroke();
   if (!closed) return;
@@ -171,7 +171,7 @@ export function drawPoint(context, camera, [x, y], { fill, closed = false, large
   context.lineTo(x + r, y + r);
   context.moveTo(x - r, y + r);
   context.lineTo(x + r, y - r);
-  context.lineWidth = 2.5 / camera.scale;
+  context.lineWidth = 2.5 * camera.pixel;
   context.strokeStyle = colour("bad");
   context.stroke();
 }

@@ -172,7 +172,7 @@ export class MapView {
     const lit = this.lit();
     for (const zone of this.state.moment.zones) {
       if (!lit.has(zone.id)) continue;
-      context.lineWidth = 3.5 / this.camera.scale;
+      context.lineWidth = 3.5 * this.camera.pixel;
       context.strokeStyle = shade(zone.number).line;
       context.stroke(zone.path);
     }
@@ -196,7 +196,7 @@ export class MapView {
     if (!answer) return;
     for (const line of answer.lines) layers.drawLine(context, this.camera, line, colour("route"), 3.5);
     for (const point of answer.points) layers.drawPoint(context, this.camera, point, { fill: colour("route"), large: true });
-    context.setLineDash([8 / this.camera.scale, 6 / this.camera.scale]);
+    context.setLineDash([8 * this.camera.pixel, 6 * this.camera.pixel]);
     for (const line of answer.missing) layers.drawLine(context, this.camera, line, colour("bad"), 2.5);
     context.setLineDash([]);
     for (const point of answer.frontiers) layers.drawPoint(context, this.camera, point, { fill: colour("frontier"), large: true });

@@ -27,7 +27,8 @@ function apply() {
   const dark = choice === "system" ? system.matches : choice === "dark";
   document.documentElement.dataset.theme = dark ? "dark" : "light";
   const button = byId("theme");
-  button.textContent = { system: "\u25d0 Auto", light: "\u2600\ufe0e Light", dark: "\u263e\ufe0e Dark" }[choice];
+  button.dataset.choice = choice;
+  byId("theme-name").textContent = { system: "Auto", light: "Light", dark: "Dark" }[choice];
   button.setAttribute("aria-label", `Colours: ${choice === "system" ? "as the system" : choice}`);
   for (const listener of listeners) listener();
 }
