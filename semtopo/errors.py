@@ -30,8 +30,11 @@ never repeats what came in at length.
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import asdict, dataclass
 from typing import ClassVar
+
+ZONES_TOLD_MAX = 100
+"""Zones of one kind among the facts of an error; the error itself has them all."""
 
 
 class SemtopoError(Exception):
@@ -207,7 +210,8 @@ class NoRouteError(SemtopoError):
     `reachable` are the zones that can be reached from the start, `reaching` those from which a goal
     can be reached, each with the start or the goals themselves, in order of finding. `missing`
     names a pair of these with a passage only the wrong way, and `frontier` the frontier that is
-    nearest to closing the gap, where there is such a one.
+    nearest to closing the gap, where there is such a one. `restricted` says that there would be a
+    route if nothing was closed or avoided.
     """
 
     code: ClassVar[str] = "no_route"
@@ -220,6 +224,7 @@ class NoRouteError(SemtopoError):
         reaching: tuple[str, ...] = (),
         missing: MissingPassage | None = None,
         frontier: NearestFrontier | None = None,
+        restricted: bool = False,
     ) -> None:
         """Keep what is known about the gap."""
         super().__init__(message)
@@ -227,9 +232,14 @@ class NoRouteError(SemtopoError):
         self.reaching = reaching
         self.missing = missing
         self.frontier = frontier
+        self.restricted = restricted
         self.facts = {
-            "reachable": reachable, "reaching": reaching, "missing": missing, "frontier": frontier,
-        }  # fmt: skip
+            "reachable": reachable[:ZONES_TOLD_MAX],
+            "reaching": reaching[:ZONES_TOLD_MAX],
+            "missing": None if missing is None else asdict(missing),
+            "frontier": None if frontier is None else asdict(frontier),
+            "restricted": restricted,
+        }
 
 
 class OutsideError(SemtopoError):

@@ -16,7 +16,7 @@ from semtopo.types import SeenName
 from semtopo.zones import Border, SensorMap, Zone
 
 
-@dataclass(frozen=True, slots=True, eq=False)
+@dataclass(frozen=True, slots=True, eq=False, weakref_slot=True)
 class MappedZone:
     """A zone of the map z_m.
 

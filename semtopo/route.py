@@ -7,89 +7,40 @@ is the way between the two inside a zone.
 
 from __future__ import annotations
 
-import heapq
-import math
 from collections.abc import Iterator
-from dataclasses import dataclass, field
-from itertools import count, pairwise
+from dataclasses import replace
+from itertools import islice, pairwise
 
-import shapely
+import numpy as np
 
-from semtopo.atlas import Atlas, Limits
-from semtopo.errors import NoRouteError, UnknownZoneError
-from semtopo.graph import Passage, PassageKey
+from semtopo.atlas import Atlas
+from semtopo.errors import (
+    NotConnectedError,
+    OutsideError,
+    SemtopoError,
+    TooNarrowError,
+    UnknownZoneError,
+)
+from semtopo.finder import SHARED_MAX, Finder
+from semtopo.freespace import FreeSpace, Path
+from semtopo.geometry import union
+from semtopo.ground import ground_of
+from semtopo.journey import Place, Route, RouteRequest
+from semtopo.network import CostModel
 from semtopo.types import Point
 
-
-@dataclass(frozen=True, slots=True)
-class Place:
-    """A zone, or a point in it in m, map frame; a zone alone stands for its widest place."""
-
-    zone_id: str
-    point: Point | None = None
-
-
-@dataclass(frozen=True, slots=True)
-class CostModel:
-    """What a way costs: so much for each metre, and so much for each passage."""
-
-    length: float = 1.0
-    passage: float = 0.0
-
-
-@dataclass(frozen=True, slots=True, kw_only=True)
-class RouteRequest:
-    """Asks for routes from a place to the nearest of some goals.
-
-    They go through the zones `via` in that order, enter no zone of `avoid_zones` and use no passage
-    of `avoid_passages`. With `two_way`, passages may be used against their direction. `radius` is
-    that of the robot, in m; `alternatives` says how many routes are wanted, at most.
-    """
-
-    start: Place
-    goals: tuple[Place, ...]
-    via: tuple[str, ...] = ()
-    avoid_zones: frozenset[str] = frozenset()
-    avoid_passages: frozenset[PassageKey] = frozenset()
-    two_way: bool = False
-    cost: CostModel = field(default_factory=CostModel)
-    radius: float = 0.0
-    alternatives: int = 1
-
-
-@dataclass(frozen=True, slots=True)
-class Route:
-    """A way through `zones` by `passages`: one zone more than passages, all in order.
-
-    `points` are the start, the passage points and the goal; `length` in m is that of the way
-    between them inside the zones, and `cost` what the cost model and restrictions make of it.
-    """
-
-    zones: tuple[str, ...]
-    passages: tuple[Passage, ...]
-    points: tuple[Point, ...]
-    cost: float
-    length: float
-
-    @property
-    def source(self) -> str:
-        """The zone in which it begins."""
-        return self.zones[0]
-
-    @property
-    def target(self) -> str:
-        """The zone in which it ends."""
-        return self.zones[-1]
-
-    @property
-    def backwards(self) -> tuple[Passage, ...]:
-        """The passages that are used against their direction, in order."""
-        uses = zip(self.zones, self.passages, strict=False)
-        return tuple(passage for zone_id, passage in uses if passage.source != zone_id)
+__all__ = [
+    "SHARED_MAX", "CostModel", "Place", "Route", "RouteRequest", "find_routes", "widest_place",
+]  # fmt: skip
 
 
 def find_routes(atlas: Atlas, request: RouteRequest) -> tuple[Route, ...]:
     """Return the best routes, the best first: at least one, at most `request.alternatives`.
+
+    The first costs least of all; of several that cost the same, it is always the same one. An
+    alternative shares at most `SHARED_MAX` of the shorter length with each better one; alternatives
+    are found by making dearer what was used before. With a radius, routes without a path for it are
+    left out.
 
     Raises
     ------
@@ -97,98 +48,44 @@ def find_routes(atlas: Atlas, request: RouteRequest) -> tuple[Route, ...]:
         A zone of the request is not in the map.
     NoRouteError
         No sequence of passages leads to any goal.
+    OutsideError, TooNarrowError, NotConnectedError
+        No route has a path for a robot of that radius; the error is that of the best.
     """
-    for zone_id in _zones_of(request):
+    for zone_id in request.named:
         if zone_id not in atlas.state.graph.nodes:
             raise UnknownZoneError("the map has no such zone")
-    search = _Search(atlas, request)
-    best = search.run()
-    if best is None:
-        raise NoRouteError("no passages lead from the one zone to the other")
-    return (best,)
+    routes = Finder(atlas, request).routes()
+    if request.radius is not None:
+        routes = _with_paths(atlas, routes, request.radius)
+    return tuple(sorted(islice(routes, request.alternatives), key=lambda route: route.cost))
 
 
 def widest_place(atlas: Atlas, zone_id: str) -> Point:
     """Return the centre of the largest circle in a zone, in m, map frame."""
-    line = shapely.maximum_inscribed_circle(atlas.state.metric.zones[zone_id].region)
-    x, y = shapely.get_coordinates(line)[0]
-    return (float(x), float(y))
+    return ground_of(atlas.state.metric, zone_id).widest_place
 
 
-def _zones_of(request: RouteRequest) -> Iterator[str]:
-    yield request.start.zone_id
-    yield from (goal.zone_id for goal in request.goals)
-    yield from request.via
+def _with_paths(atlas: Atlas, routes: Iterator[Route], radius: float) -> Iterator[Route]:
+    """Yield the routes that have a path, with it; raises the first error where none has."""
+    refused: SemtopoError | None = None
+    is_passable = False
+    for route in routes:
+        try:
+            path = _path(atlas, route, radius)
+        except (OutsideError, TooNarrowError, NotConnectedError) as error:
+            refused = refused or error
+        else:
+            is_passable = True
+            yield replace(route, path=path)
+    if refused is not None and not is_passable:
+        raise refused
 
 
-_State = tuple[str, Point, int]
-"""A zone, where it was entered, and how many of `via` lie behind."""
-
-
-class _Search:
-    def __init__(self, atlas: Atlas, request: RouteRequest) -> None:
-        self._atlas, self._request = atlas, request
-        self._limits: Limits = atlas.limits
-        self._leaving: dict[str, list[tuple[Passage, str]]] = {}
-        closed = self._limits.closed_passages | request.avoid_passages
-        for passage in atlas.state.graph.passages.values():
-            if passage.key in closed:
-                continue
-            self._leaving.setdefault(passage.source, []).append((passage, passage.target))
-            if request.two_way:
-                self._leaving.setdefault(passage.target, []).append((passage, passage.source))
-
-    def run(self) -> Route | None:
-        """Return the best route, if there is one."""
-        request, order = self._request, count()
-        goals = [(goal.zone_id, self._point(goal)) for goal in request.goals]
-        first = (request.start.zone_id, self._point(request.start), 0)
-        closed_zones = self._limits.closed_zones | request.avoid_zones
-        waiting: list[tuple[float, int, _State | None, tuple[Passage, ...], tuple[Point, ...]]] = []
-        waiting.append((0.0, next(order), self._arrived(first), (), (first[1],)))
-        seen: set[_State] = set()
-        while waiting:
-            cost, _, state, passages, points = heapq.heappop(waiting)
-            if state is None:
-                return self._route(cost, passages, points)
-            if state in seen:
-                continue
-            seen.add(state)
-            zone_id, point, behind = state
-            for end in [
-                end for zone, end in goals if (zone, behind) == (zone_id, len(request.via))
-            ]:
-                total = cost + self._leg(zone_id, point, end)
-                heapq.heappush(waiting, (total, next(order), None, passages, (*points, end)))
-            for passage, entered in self._leaving.get(zone_id, ()):
-                if entered in closed_zones:
-                    continue
-                step = self._leg(zone_id, point, passage.point) + request.cost.passage
-                step *= self._limits.passage_factors.get(passage.key, 1.0)
-                after = self._arrived((entered, passage.point, behind))
-                way = ((*passages, passage), (*points, passage.point))
-                heapq.heappush(waiting, (cost + step, next(order), after, *way))
-        return None
-
-    def _point(self, place: Place) -> Point:
-        return place.point or widest_place(self._atlas, place.zone_id)
-
-    def _arrived(self, state: _State) -> _State:
-        zone_id, point, behind = state
-        via = self._request.via
-        while behind < len(via) and via[behind] == zone_id:
-            behind += 1
-        return (zone_id, point, behind)
-
-    def _leg(self, zone_id: str, start: Point, end: Point) -> float:
-        factor = self._limits.zone_factors.get(zone_id, 1.0)
-        return self._request.cost.length * math.dist(start, end) * factor
-
-    def _route(
-        self, cost: float, passages: tuple[Passage, ...], points: tuple[Point, ...]
-    ) -> Route:
-        zones = [self._request.start.zone_id]
-        for passage in passages:
-            zones.append(passage.target if passage.source == zones[-1] else passage.source)
-        length = math.fsum(math.dist(one, other) for one, other in pairwise(points))
-        return Route(tuple(zones), passages, points, cost, length)
+def _path(atlas: Atlas, route: Route, radius: float) -> Path:
+    """Return the shortest path through the zones of a route and the doorways between them."""
+    metric = atlas.state.metric
+    regions = [metric.zones[zone_id].region for zone_id in dict.fromkeys(route.zones)]
+    for one, other in dict.fromkeys(pairwise(route.zones)):
+        regions += [doorway.region for doorway in metric.doorways.between(one, other)]
+    space = FreeSpace(union(np.array(regions, dtype=np.object_)), radius)
+    return space.path(route.points[0], route.points[-1])

@@ -19,7 +19,9 @@ LAYERS = [
     {"inset", "triangulation", "world"}, {"taut"}, {"bottleneck"}, {"freespace"},
     {"sensor"}, {"scan"}, {"runs", "strips"}, {"doorways"}, {"zones"}, {"metric"}, {"placement"},
     {"borders", "graph"}, {"findings"}, {"mapper"},
-    {"atlas", "expectations", "grammar", "questions"}, {"names", "phrases", "reading", "route"},
+    {"atlas", "expectations", "grammar", "questions"},
+    {"ground", "network"}, {"search"}, {"gap", "journey"}, {"finder"},
+    {"names", "phrases", "reading", "route"},
     {"answers"},
     {"codec", "documents"},
     {"exports", "formats", "render"}, {"semtopo"},
@@ -29,7 +31,7 @@ LAYERS = [
 PURE = {
     "__future__", "collections", "colorsys", "contextlib", "csv", "dataclasses", "enum",
     "functools", "gzip", "heapq", "io", "itertools", "math", "re", "types", "typing",
-    "unicodedata", "xml.sax.saxutils", "zlib",
+    "unicodedata", "weakref", "xml.sax.saxutils", "zlib",
     "lark", "networkx", "numpy", "orjson", "pydantic", "shapely",
 }  # fmt: skip
 """What the library may import: nothing that reads files, clocks, chance or the network."""

@@ -1,0 +1,134 @@
+"""Why there is no route: what can be reached, what could reach the goal, and what is between.
+
+In come a network, an errand that cannot be done, and the map; out goes the refusal with what is
+known of the gap. A frontier near the gap is where exploring may close it.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+from dataclasses import dataclass
+
+import numpy as np
+import shapely
+from shapely import LineString
+
+from semtopo.borders import border_pieces
+from semtopo.errors import MissingPassage, NearestFrontier, NoRouteError
+from semtopo.mapper import MapState
+from semtopo.network import Network
+from semtopo.search import Errand, Terms
+from semtopo.types import Occupancy, Point
+
+ZONES_LOOKED_AT = 64
+"""Zones whose frontiers are measured: those nearest to the gap."""
+
+
+@dataclass(frozen=True, slots=True)
+class Gap:
+    """The zones, by number, that can be reached, and those from which a goal can be."""
+
+    reachable: frozenset[int]
+    reaching: frozenset[int]
+
+
+def find_gap(network: Network, errand: Errand, terms: Terms) -> Gap | None:
+    """Return the first gap on an errand, from stop to stop; None if every stop can be reached."""
+    here = errand.start[0]
+    is_open = not (terms.closed_zones or terms.closed_uses)
+    for targets in [*([zone] for zone in errand.via), [zone for zone, _ in errand.goals]]:
+        if not (is_open and _are_linked(network, here, targets)):
+            reachable = _spread(network, [here], terms)
+            if reachable.isdisjoint(targets):
+                return Gap(reachable, _spread_back(network, targets, terms))
+        here = targets[0]
+    return None
+
+
+def refusal(state: MapState, network: Network, gap: Gap, *, restricted: bool) -> NoRouteError:
+    """Return what is to be said of a gap; `restricted` if there is none without restrictions."""
+    names = list(network.zones)
+    why = "while something on the way is closed or avoided" if restricted else "to the other"
+    return NoRouteError(
+        f"no passages lead from the one zone {why}",
+        reachable=tuple(names[zone] for zone in sorted(gap.reachable)),
+        reaching=tuple(names[zone] for zone in sorted(gap.reaching)),
+        missing=_missing(network, gap),
+        frontier=_frontier(state, network, gap),
+        restricted=restricted,
+    )
+
+
+def _are_linked(network: Network, zone: int, targets: Iterable[int]) -> bool:
+    """Say whether a zone and one of the targets can reach each other where nothing is closed."""
+    return any(network.components[zone] == network.components[target] for target in targets)
+
+
+def _spread(network: Network, zones: Iterable[int], terms: Terms) -> frozenset[int]:
+    """Return the zones that can be reached from some, with these."""
+    found, waiting = set(zones), list(zones)
+    while waiting:
+        for number in network.leaving[waiting.pop()]:
+            zone = network.uses[number].target
+            is_closed = number in terms.closed_uses or zone in terms.closed_zones
+            if not is_closed and zone not in found:
+                found.add(zone)
+                waiting.append(zone)
+    return frozenset(found)
+
+
+def _spread_back(network: Network, zones: Iterable[int], terms: Terms) -> frozenset[int]:
+    """Return the zones from which some can be reached, with these."""
+    found, waiting = set(zones), list(zones)
+    while waiting:
+        zone = waiting.pop()
+        for number in () if zone in terms.closed_zones else network.entering[zone]:
+            before = network.uses[number].source
+            if number not in terms.closed_uses and before not in found:
+                found.add(before)
+                waiting.append(before)
+    return frozenset(found)
+
+
+def _missing(network: Network, gap: Gap) -> MissingPassage | None:
+    """Return the pair of zones across the gap that has been linked the wrong way for longest."""
+    zones, pairs = network.zones, set(network.graph.pairs)
+    for passage in network.graph.passages.values():
+        pair = (passage.target, passage.source)
+        across = zones[pair[0]] in gap.reachable and zones[pair[1]] in gap.reaching
+        if across and pair not in pairs:
+            return MissingPassage(*pair, since=passage.seq)
+    return None
+
+
+def _frontier(state: MapState, network: Network, gap: Gap) -> NearestFrontier | None:
+    """Return the frontier of what can be reached that is nearest to what can reach the goal."""
+    names, mapped = list(network.zones), state.metric.zones
+    beyond = [mapped[names[zone]] for zone in sorted(gap.reaching)]
+    tree = shapely.STRtree([zone.region for zone in beyond])
+    near = [mapped[names[zone]] for zone in sorted(gap.reachable)]
+    (own, _), apart = tree.query_nearest(
+        [zone.region for zone in near], return_distance=True, all_matches=False
+    )
+    best: NearestFrontier | None = None
+    for place in np.argsort(apart, kind="stable")[:ZONES_LOOKED_AT].tolist():
+        if best is not None and apart[place] >= best.distance:
+            break
+        zone = near[own[place]]
+        lines = [
+            LineString(it.line) for it in border_pieces(zone) if it.occupancy is Occupancy.FREE
+        ]
+        if not lines:
+            continue
+        (line, to), distances = tree.query_nearest(lines, return_distance=True, all_matches=False)
+        first = int(np.argmin(distances))
+        if best is None or distances[first] < best.distance:
+            point = _nearest_on(lines[line[first]], beyond[to[first]].region)
+            towards, distance = beyond[to[first]].zone_id, float(distances[first])
+            best = NearestFrontier(zone.zone_id, point, towards, distance)
+    return best
+
+
+def _nearest_on(line: LineString, region: shapely.Geometry) -> Point:
+    x, y = shapely.get_coordinates(shapely.shortest_line(line, region))[0]
+    return (float(x), float(y))

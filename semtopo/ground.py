@@ -1,0 +1,101 @@
+"""The ground of a zone: how long the ways inside it are.
+
+In come a zone of the map and the doorways at it; out go lengths. They are those of the shortest
+path through the zone and its doorways, for a robot without extent. Where the map knows no such
+path, because a zone is in pieces or a doorway was never crossed by two beams, the way is straight.
+"""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass, field
+from functools import cached_property, lru_cache
+from weakref import WeakKeyDictionary
+
+import numpy as np
+import shapely
+from shapely import LineString
+
+from semtopo.doorways import Doorway
+from semtopo.errors import SemtopoError
+from semtopo.freespace import FreeSpace
+from semtopo.geometry import Region, nearest_point, union, widest_place
+from semtopo.metric import MappedZone, MetricMap
+from semtopo.types import Point
+
+LENGTHS_KEPT = 10_000
+"""Lengths in memory, of one zone."""
+
+SPACES_KEPT = 256
+"""Free spaces in memory, of all zones; each is a triangulation."""
+
+MAPS_KEPT = 16
+"""Maps in memory whose doorways are listed by zone."""
+
+
+@dataclass(frozen=True, eq=False)
+class Ground:
+    """A zone and the doorways at it, in m, map frame."""
+
+    zone: Region
+    doorways: tuple[Doorway, ...]
+    _lengths: dict[tuple[Point, Point], float] = field(default_factory=dict)
+
+    @cached_property
+    def region(self) -> Region:
+        """The zone and its doorways as one region."""
+        parts = [self.zone, *(doorway.region for doorway in self.doorways)]
+        region = union(np.array(parts, dtype=np.object_))
+        shapely.prepare(region)
+        return region
+
+    @cached_property
+    def widest_place(self) -> Point:
+        """The centre of the largest circle in the zone."""
+        return widest_place(self.zone)
+
+    def length(self, start: Point, end: Point) -> float:
+        """Return the length in m of the way between two points."""
+        known = self._lengths.get((start, end))
+        if known is None:
+            known = self._measured(start, end)
+            if len(self._lengths) < LENGTHS_KEPT:
+                self._lengths[start, end] = known
+        return known
+
+    def _measured(self, start: Point, end: Point) -> float:
+        straight = math.dist(start, end)
+        if straight == 0 or self.region.covers(LineString([start, end])):
+            return straight
+        enter, leave = (nearest_point(self.region, point) for point in (start, end))
+        try:
+            inside = _space(self).distance(enter, leave)
+        except SemtopoError:
+            return straight
+        return max(straight, math.dist(start, enter) + inside + math.dist(leave, end))
+
+
+@lru_cache(maxsize=SPACES_KEPT)
+def _space(ground: Ground) -> FreeSpace:
+    return FreeSpace(ground.region)
+
+
+_grounds: WeakKeyDictionary[MappedZone, Ground] = WeakKeyDictionary()
+
+
+def ground_of(metric: MetricMap, zone_id: str) -> Ground:
+    """Return the ground of a zone of a map; as long as nothing of it changes, the same one."""
+    zone, doorways = metric.zones[zone_id], _doorways_by_zone(metric).get(zone_id, ())
+    known = _grounds.get(zone)
+    if known is None or known.doorways != doorways:
+        known = _grounds[zone] = Ground(zone.region, doorways)
+    return known
+
+
+@lru_cache(maxsize=MAPS_KEPT)
+def _doorways_by_zone(metric: MetricMap) -> dict[str, tuple[Doorway, ...]]:
+    found: dict[str, list[Doorway]] = {}
+    for doorway in metric.doorways.values():
+        for end in dict.fromkeys(doorway.ends):
+            found.setdefault(end, []).append(doorway)
+    return {zone_id: tuple(doorways) for zone_id, doorways in found.items()}

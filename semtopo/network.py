@@ -1,0 +1,201 @@
+"""The passages of a graph as a network: numbered, with what it costs at least from one to another.
+
+In come a graph and a cost model; out goes what every search on that graph can share. Costs are
+whole numbers, so that they add up exactly and equal ones are equal. Landmarks (Goldberg and
+Harrelson, 2005) bound from below what the way from any passage to any other costs.
+"""
+
+from __future__ import annotations
+
+import heapq
+import math
+from collections.abc import Iterable
+from dataclasses import dataclass, field
+from functools import cached_property, lru_cache
+from typing import TypeAlias
+
+import networkx as nx
+import numpy as np
+
+from semtopo.errors import InvalidOptionError
+from semtopo.graph import Passage, TopologyGraph
+from semtopo.types import Floats, Point
+
+UNIT = 1e-6
+"""The least difference in cost that counts: of a way in m, a micrometre."""
+
+COST_MAX = 1e6
+
+LANDMARKS = 8
+
+FEW_USES = 256
+"""Up to here, a search looks at everything sooner than landmarks are found."""
+
+TURNS_MAX = 1_000_000
+"""Pairs of a use that enters a zone and one that leaves it, in all zones; with more of them (a hall
+of a thousand doors), neither landmarks nor rows are kept."""
+
+NETWORKS_KEPT = 16
+"""Networks in memory; one of 10,000 zones takes some 20 MB."""
+
+
+@dataclass(frozen=True, slots=True)
+class CostModel:
+    """What a way costs: so much for each metre, and so much for each passage.
+
+    Where length costs nothing, the shorter of two ways that cost the same still wins; and then the
+    one with fewer passages.
+
+    Raises
+    ------
+    InvalidOptionError
+        A cost is not between 0 and a million.
+    """
+
+    length: float = 1.0
+    passage: float = 0.0
+
+    def __post_init__(self) -> None:
+        """Refuse costs out of range."""
+        if not all(0 <= cost <= COST_MAX for cost in (self.length, self.passage)):
+            raise InvalidOptionError(f"a cost must be 0 to {COST_MAX:.0f}")
+
+    def units(self, metres: float, passages: int) -> int:
+        """Return the cost of so many metres and passages in whole units; a passage adds one."""
+        cost = (self.length or UNIT) * metres + self.passage * passages
+        return math.ceil(cost / UNIT) + passages
+
+
+@dataclass(frozen=True, slots=True)
+class Use:
+    """A passage, used from zone `source` into zone `target`: maybe against its direction."""
+
+    passage: Passage
+    source: int
+    target: int
+
+
+Row: TypeAlias = list[tuple[int, int]]
+"""Uses that lead out of a zone, each with what it costs at least to go on by it."""
+
+
+@dataclass(frozen=True, eq=False)
+class Network:
+    """The uses of all passages, numbered: first along, then, if `two_way`, against directions."""
+
+    graph: TopologyGraph
+    model: CostModel
+    two_way: bool
+    _rows: dict[int, Row] = field(default_factory=dict)
+
+    @cached_property
+    def zones(self) -> dict[str, int]:
+        """The number of each zone."""
+        return {zone_id: number for number, zone_id in enumerate(self.graph.nodes)}
+
+    @cached_property
+    def uses(self) -> tuple[Use, ...]:
+        """Every way to use a passage, in order of finding."""
+        number = self.zones
+        along = [
+            Use(passage, number[passage.source], number[passage.target])
+            for passage in self.graph.passages.values()
+        ]
+        against = (
+            [Use(use.passage, use.target, use.source) for use in along] if self.two_way else []
+        )
+        return (*along, *against)
+
+    @cached_property
+    def leaving(self) -> list[list[int]]:
+        """The uses that lead out of each zone."""
+        return self._by_zone(use.source for use in self.uses)
+
+    @cached_property
+    def entering(self) -> list[list[int]]:
+        """The uses that lead into each zone."""
+        return self._by_zone(use.target for use in self.uses)
+
+    @cached_property
+    def turns(self) -> int:
+        """How many pairs there are of a use and one that may follow it."""
+        return sum(len(self.leaving[use.target]) for use in self.uses)
+
+    @cached_property
+    def points(self) -> Floats:
+        """The passage points (uses, 2) in m, map frame."""
+        return np.array([use.passage.point for use in self.uses]).reshape(-1, 2)
+
+    @cached_property
+    def components(self) -> list[int]:
+        """A number for each zone; zones that can reach each other have the same."""
+        zones: nx.DiGraph[int] = nx.DiGraph()
+        zones.add_nodes_from(range(len(self.zones)))
+        zones.add_edges_from((use.source, use.target) for use in self.uses)
+        found = [0] * len(self.zones)
+        for number, component in enumerate(nx.strongly_connected_components(zones)):
+            for zone in component:
+                found[zone] = number
+        return found
+
+    @cached_property
+    def landmarks(self) -> Floats:
+        """The least cost from each of some uses to every use: (landmarks, uses), maybe infinite.
+
+        The first is the one farthest from the first use of all, every other one the farthest from
+        those before it.
+        """
+        count = len(self.uses)
+        if count <= FEW_USES or self.turns > TURNS_MAX:
+            return np.empty((0, count))
+        nearest = self._costs_from(0)
+        rows: list[Floats] = []
+        for _ in range(LANDMARKS):
+            landmark = int(np.argmax(nearest))  # where none leads to, before all others
+            rows.append(self._costs_from(landmark))
+            nearest = rows[0] if len(rows) == 1 else np.minimum(nearest, rows[-1])
+        return np.stack(rows)
+
+    def row(self, use: int) -> Row:
+        """Return the uses that may follow one, each with what the way to it costs at least."""
+        known = self._rows.get(use)
+        if known is None:
+            here = self.uses[use]
+            known = self.row_from(here.target, here.passage.point)
+            if self.turns <= TURNS_MAX:
+                self._rows[use] = known
+        return known
+
+    def row_from(self, zone: int, point: Point) -> Row:
+        """Return the uses that lead out of a zone, each with its least cost from a point in it."""
+        units, uses = self.model.units, self.uses
+        return [
+            (use, units(math.dist(point, uses[use].passage.point), 1)) for use in self.leaving[zone]
+        ]
+
+    def _by_zone(self, zones: Iterable[int]) -> list[list[int]]:
+        found: list[list[int]] = [[] for _ in self.zones]
+        for use, zone in enumerate(zones):
+            found[zone].append(use)
+        return found
+
+    def _costs_from(self, start: int) -> Floats:
+        """Return the least costs from one use to all (Dijkstra, 1959)."""
+        costs = [math.inf] * len(self.uses)
+        costs[start] = 0
+        waiting: list[tuple[float, int]] = [(0, start)]
+        while waiting:
+            cost, use = heapq.heappop(waiting)
+            if cost > costs[use]:
+                continue
+            for following, step in self.row(use):
+                if cost + step < costs[following]:
+                    costs[following] = cost + step
+                    heapq.heappush(waiting, (cost + step, following))
+        return np.array(costs)
+
+
+@lru_cache(maxsize=NETWORKS_KEPT)
+def network_of(graph: TopologyGraph, model: CostModel, two_way: bool) -> Network:  # noqa: FBT001 -- lru_cache tells keyword calls from others
+    """Return the network of a graph; of the latest graphs, the same one again."""
+    return Network(graph, model, two_way)

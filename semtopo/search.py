@@ -1,0 +1,217 @@
+"""The search for the best way through a network: A* on uses of passages (Hart et al., 1968).
+
+In come a network, where to go and on what terms; out goes the sequence of uses that costs least.
+The way inside a zone is first taken as straight; its true length is asked for only when the search
+is about to follow it (lazily, as Cohen et al., 2014, do).
+"""
+
+from __future__ import annotations
+
+import heapq
+import math
+from collections import Counter
+from collections.abc import Callable, Collection, Mapping, Sequence
+from dataclasses import dataclass, field
+from typing import TypeAlias
+
+import numpy as np
+
+from semtopo.network import UNIT, Network, Row
+from semtopo.types import Floats, Point
+
+Legs: TypeAlias = Callable[[int, Point, Point], float]
+"""Gives the length in m of the way inside a zone, by its number, between two points."""
+
+Stop: TypeAlias = tuple[int, Point]
+"""A zone, by its number, and a point in it."""
+
+GOALS_AIMED_AT = 16
+"""With more goals than this, how far the nearest one is would take longer to tell than to find."""
+
+ENTRIES = 2**17
+"""So many pairs of entering and leaving are tried in one zone: all, below 360 doors. A larger hall
+is left from where it was first entered, the more doors it has the more so."""
+
+
+@dataclass(frozen=True, slots=True)
+class Terms:
+    """What is closed to a search, and the factors of what costs more or less, by number."""
+
+    closed_zones: Collection[int] = frozenset()
+    closed_uses: Collection[int] = frozenset()
+    zone_factors: Mapping[int, float] = field(default_factory=dict)
+    use_factors: Mapping[int, float] = field(default_factory=dict)
+
+    @property
+    def least_factor(self) -> float:
+        """No way costs less than this times what it costs without factors; at most 1."""
+        zones, uses = self.zone_factors.values(), self.use_factors.values()
+        return min((1.0, *zones)) * min((1.0, *uses))
+
+    def factor(self, zone: int, use: int) -> float:
+        """Return the factor of a way inside a zone to a use that leads out of it."""
+        return self.zone_factors.get(zone, 1.0) * self.use_factors.get(use, 1.0)
+
+
+@dataclass(frozen=True, slots=True)
+class Errand:
+    """From where to which goals, and which zones must be visited before, in order."""
+
+    start: Stop
+    goals: Sequence[Stop]
+    via: Sequence[int] = ()
+
+
+@dataclass(frozen=True, slots=True)
+class Way:
+    """The uses in order, and which of the goals is reached."""
+
+    uses: tuple[int, ...]
+    goal: int
+
+
+_Item: TypeAlias = tuple[int, int, int, int, int]
+"""Least cost in all, cost so far (negative: of equal ones, the farther goes first), state, the
+state before it, and the true cost there."""
+
+
+class Search:
+    """One search. A state is a use, or a goal, together with how many of `via` lie behind."""
+
+    def __init__(self, network: Network, legs: Legs, errand: Errand, terms: Terms) -> None:
+        """Find the bounds that lead the search."""
+        self._network, self._legs, self._errand, self._terms = network, legs, errand, terms
+        self._apply = terms != Terms()
+        self._count = len(network.uses)
+        self._stride = self._count + len(errand.goals)
+        self._ends: dict[int, list[int]] = {}
+        for number, (zone, _) in enumerate(errand.goals, start=self._count):
+            self._ends.setdefault(zone, []).append(number)
+        self._bounds = _bounds(network, errand, terms)
+        self._entries: Counter[int] = Counter()
+        self._before: dict[int, int] = {}
+        self._waiting: list[_Item] = []
+
+    def run(self) -> Way | None:
+        """Return the way that costs least; of several, always the same one."""
+        start, point = self._errand.start
+        self._push(-1, 0, self._arrived(0, start), start, self._network.row_from(start, point))
+        while self._waiting:
+            bound, cost, state, before, paid = heapq.heappop(self._waiting)
+            if state in self._before:
+                continue
+            true = paid + self._true_cost(before, state)
+            if true > -cost:
+                heapq.heappush(self._waiting, (bound + true + cost, -true, state, before, paid))
+                continue
+            self._before[state] = before
+            layer, number = divmod(state, self._stride)
+            if number >= self._count:
+                return Way(self._uses_until(before), number - self._count)
+            zone = self._network.uses[number].target
+            self._entries[zone] += 1
+            if self._entries[zone] * len(self._network.leaving[zone]) <= ENTRIES:
+                self._push(state, true, layer, zone, self._network.row(number))
+        return None
+
+    def _push(self, state: int, paid: int, layer: int, zone: int, row: Row) -> None:
+        """Let all that may follow a state wait for their turn."""
+        waiting, known, terms, uses = self._waiting, self._before, self._terms, self._network.uses
+        offset, bounds, via = layer * self._stride, self._bounds[layer], self._errand.via
+        for use, step in row:
+            cost = paid + step
+            if self._apply:
+                if use in terms.closed_uses or uses[use].target in terms.closed_zones:
+                    continue
+                cost = paid + math.ceil(step * terms.factor(zone, use))
+            if via:
+                reached = self._arrived(layer, uses[use].target)
+                offset, bounds = reached * self._stride, self._bounds[reached]
+            if offset + use not in known:
+                heapq.heappush(waiting, (cost + bounds[use], -cost, offset + use, state, paid))
+        if layer == len(via):
+            for end in self._ends.get(zone, ()):
+                after = layer * self._stride + end
+                cost = paid + self._cost(zone, end, math.dist(*self._points(state, end)))
+                heapq.heappush(waiting, (cost, -cost, after, state, paid))
+
+    def _arrived(self, layer: int, zone: int) -> int:
+        """Return how many of `via` lie behind when a zone is entered."""
+        via = self._errand.via
+        while layer < len(via) and via[layer] == zone:
+            layer += 1
+        return layer
+
+    def _true_cost(self, before: int, state: int) -> int:
+        """Return what it costs to go on from one state to another, along the true way."""
+        number = state % self._stride
+        zone = self._errand.start[0]
+        if before >= 0:
+            zone = self._network.uses[before % self._stride].target
+        return self._cost(zone, number, self._legs(zone, *self._points(before, number)))
+
+    def _cost(self, zone: int, number: int, metres: float) -> int:
+        """Return what a way of so many metres inside a zone costs, to a use or a goal."""
+        cost = self._network.model.units(metres, int(number < self._count))
+        return math.ceil(cost * self._terms.factor(zone, number)) if self._apply else cost
+
+    def _points(self, state: int, number: int) -> tuple[Point, Point]:
+        """Return where a state is, and where a use or goal is."""
+        uses, goals = self._network.uses, self._errand.goals
+        here = uses[state % self._stride].passage.point if state >= 0 else self._errand.start[1]
+        if number < self._count:
+            return here, uses[number].passage.point
+        return here, goals[number - self._count][1]
+
+    def _uses_until(self, state: int) -> tuple[int, ...]:
+        """Return the uses on the way to a state, in order."""
+        found: list[int] = []
+        while state >= 0:
+            found.append(state % self._stride)
+            state = self._before[state]
+        return tuple(reversed(found))
+
+
+def _bounds(network: Network, errand: Errand, terms: Terms) -> list[memoryview]:
+    """Return what it costs at least from each use to a goal: an array for each layer of states."""
+    uses, units = network.uses, network.model.units
+    goals = [
+        (use, units(math.dist(uses[use].passage.point, point), 0))
+        for zone, point in errand.goals
+        for use in network.entering[zone]
+    ]
+    straight = _straight(network, errand)
+    rest = np.maximum(straight, _landmark_bounds(network, goals))
+    layers = [rest]
+    for zone in reversed(errand.via):
+        entering = network.entering[zone]
+        least = min((float(rest[use]) for use in entering), default=0.0)
+        to_zone = _landmark_bounds(network, [(use, 0) for use in entering]) + least
+        rest = np.maximum(straight, to_zone)
+        layers.insert(0, rest)
+    factor = terms.least_factor
+    return [np.floor(layer * factor).astype(np.int64).data for layer in layers]
+
+
+def _straight(network: Network, errand: Errand) -> Floats:
+    """Return what the straight way from each use to the nearest goal costs."""
+    if len(errand.goals) > GOALS_AIMED_AT or not errand.goals:
+        return np.zeros(len(network.uses))
+    goals = np.array([point for _, point in errand.goals])
+    apart = network.points[:, np.newaxis, :] - goals
+    metres = np.hypot(apart[..., 0], apart[..., 1]).min(axis=1)
+    return np.asarray(metres * ((network.model.length or UNIT) * (1 - 1e-12) / UNIT))
+
+
+def _landmark_bounds(network: Network, ends: list[tuple[int, int]]) -> Floats:
+    """Return what it costs at least from each use to one of some uses, with what follows those."""
+    costs = network.landmarks
+    if not ends or len(costs) == 0:
+        return np.zeros(len(network.uses))
+    uses, rest = np.array(ends).T
+    aims = (costs[:, uses] + rest).min(axis=1)
+    reached = np.isfinite(aims)
+    if not reached.any():
+        return np.zeros(len(network.uses))
+    bounds: Floats = (aims[reached, np.newaxis] - costs[reached]).max(axis=0)
+    return np.maximum(bounds, 0.0)
