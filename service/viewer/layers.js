@@ -150,7 +150,7 @@ export function drawLine(context, camera, points, stroke, width) {
   context.lineWidth = (width + 3) * camera.pixel;
   context.strokeStyle = colour("halo");
   context.stroke();
-  context.lineWidth = width / camera.scale;
+  context.lineWidth = width * camera.pixel;
   context.strokeStyle = stroke;
   context.stroke();
 }

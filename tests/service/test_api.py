@@ -239,7 +239,8 @@ def test_a_wrong_method(server: Server, method: str, path: str, allowed: str) ->
 
 @pytest.mark.parametrize(
     "path",
-    ["/nowhere", "/viewer", "/viewer/nowhere.js", "/viewer/%2e%2e/app.py", "/sessions/x/nowhere", "/sessions//graph", "/docs/files/nowhere.js",
+    ["/nowhere", "/viewer/nowhere.js", "/viewer/%2e%2e/app.py",
+     "/sessions/x/nowhere", "/sessions//graph", "/docs/files/nowhere.js",
      "/docs/files/../../pyproject.toml", "/docs/files/%2e%2e/%2e%2e/METADATA"],
 )  # fmt: skip
 def test_an_unknown_address(server: Server, path: str) -> None:
