@@ -27,12 +27,14 @@ from semtopo.types import Edges, MappingOptions
 from service.folder import read_folder
 from service.mapping_run import (
     Drive,
+    Extras,
     TimedStep,
     recorded_drive,
     simulated_drive,
     timed_steps,
     write_map,
 )
+from service.painting import Form
 
 BAD_INPUT = 2
 INTERRUPTED = 130  # 128 + SIGINT, as shells have it
@@ -113,12 +115,18 @@ def map_drive(  # noqa: PLR0913 -- one parameter for each option
     samples: Annotated[int | None, typer.Option(help="On each beam.", show_default="20")] = None,
     edges: Annotated[Edges, typer.Option(help="Which zones are linked.")] = Edges.SEEN,
     min_zone_area: Annotated[float, typer.Option(help="In m^2.")] = 0.0,
+    frames: Annotated[
+        Form | None, typer.Option(help="A picture for each change of the graph.")
+    ] = None,
+    animation: Annotated[Path | None, typer.Option(help="A .gif or .webp to write.")] = None,
 ) -> None:
     """Map a simulated drive through WORLD along PATH, or a real one recorded in --scans."""
     started = perf_counter()
+    extras = Extras(frames, animation)
     options = MappingOptions(edges=edges, min_zone_area=min_zone_area)
     drive = _drive(world, path, scans, {"beams": beams, "range": sensor_range, "samples": samples})
-    state = write_map(_with_progress(timed_steps(drive.looks, options), drive.count), out)
+    steps = _with_progress(timed_steps(drive.looks, options), drive.count)
+    state = write_map(steps, drive.count, out, extras)
     seconds = perf_counter() - started
     typer.echo(
         f"{state.seq} steps, {len(state.graph.nodes)} zones, {len(state.graph.passages)} passages"

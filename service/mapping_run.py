@@ -1,7 +1,8 @@
 """Map a whole drive into a folder: what `semtopo map` does once its arguments are understood.
 
 In come a world with a path, or a recording, as files; out goes a folder with zones.geojson,
-graph.json, steps.jsonl and map.svg. The folder changes only when all of them are complete.
+graph.json, borders.geojson, doorways.geojson, steps.jsonl, map.svg, and frames if asked for. The
+folder changes only when all of them are complete.
 """
 
 from __future__ import annotations
@@ -16,6 +17,7 @@ from pathlib import Path
 
 from semtopo import codec
 from semtopo.errors import InvalidInputError
+from semtopo.exports.geojson import borders_body, doorways_body
 from semtopo.formats import count_scans, read_path, read_recording, read_world
 from semtopo.mapper import MapState, Stage, Step, scan_world, step
 from semtopo.render import render
@@ -24,9 +26,12 @@ from semtopo.runs import LabelledRuns, from_runs
 from semtopo.scan import Scan
 from semtopo.sensor import Sensor
 from semtopo.types import MappingOptions, Point, Pose
+from service.films import FRAME, Film, animation_of, check_animation, write_frames
+from service.painting import Form
 from service.stopwatch import Stopwatch
 
 ZONES, GRAPH, STEPS, PICTURE = "zones.geojson", "graph.json", "steps.jsonl", "map.svg"
+BORDERS, DOORWAYS, FRAMES = "borders.geojson", "doorways.geojson", "frames"
 
 Look = tuple[Point, Callable[[Callable[[Stage], None]], Scan]]
 """A position in m, and what gives the scan taken there; it is told whom to tell of its stages."""
@@ -98,17 +103,50 @@ def timed_steps(looks: Iterable[Look], options: MappingOptions) -> Iterator[Time
         state = taken.state
 
 
-def write_map(steps: Iterable[TimedStep], directory: Path) -> MapState:
-    """Take all steps, write the four files of their map into a folder, and return the map."""
-    state, path, lines = MapState(), [], []
+@dataclass(frozen=True, slots=True)
+class Extras:
+    """What is written beside a map: pictures of its changes, and an animation of the drive.
+
+    Raises
+    ------
+    InvalidOptionError
+        The animation cannot be written, here or at all.
+    """
+
+    frames: Form | None = None
+    animation: Path | None = None
+
+    def __post_init__(self) -> None:
+        """Refuse an animation that cannot be written."""
+        if self.animation is not None:
+            check_animation(self.animation)
+
+    def write(self, film: Film, path: list[Point], folder: Path) -> None:
+        """Write the frames into a folder below, and the animation to its file."""
+        if self.frames is not None:
+            (folder / FRAMES).mkdir()
+            write_frames(film, path, folder / FRAMES, self.frames)
+        if self.animation is not None and film.moments:
+            content = animation_of(film, path, self.animation.suffix)
+            self.animation.write_bytes(content)
+
+
+def write_map(steps: Iterable[TimedStep], count: int, directory: Path, extras: Extras) -> MapState:
+    """Take all steps, write the files of their map into a folder, and return the map."""
+    state, path, lines, film = MapState(), [], [], Film(count)
     with replaced_together(directory) as folder:
         for taken in steps:
             state = taken.step.state
             path.append(taken.position)
             lines.append(_step_line(taken))
+            if extras != Extras():
+                film.note(taken.step)
         (folder / ZONES).write_bytes(codec.zones_body(state))
         (folder / GRAPH).write_bytes(codec.graph_body(state.graph, state.seq))
+        (folder / BORDERS).write_bytes(borders_body(state))
+        (folder / DOORWAYS).write_bytes(doorways_body(state))
         (folder / STEPS).write_bytes(b"".join(lines))
+        extras.write(film, path, folder)
         (folder / PICTURE).write_text(
             render(state, Drawing(trail=thinned_trail(path))), encoding="utf-8"
         )
@@ -132,10 +170,21 @@ def replaced_together(directory: Path) -> Iterator[Path]:
         with tempfile.TemporaryDirectory(prefix=".semtopo-", dir=directory) as name:
             folder = Path(name)
             yield folder
-            for file in sorted(folder.iterdir()):
-                os.replace(file, directory / file.name)  # noqa: PTH105 -- replaces atomically
+            _move_all(folder, directory)
     except BaseException:
         if is_new:
             with suppress(OSError):
                 directory.rmdir()
         raise
+
+
+def _move_all(folder: Path, directory: Path) -> None:
+    """Move files into a directory, and frames into one below it, from which older ones vanish."""
+    frames = directory / FRAMES
+    if (folder / FRAMES).is_dir():
+        frames.mkdir(exist_ok=True)
+        for old in frames.iterdir():
+            if FRAME.fullmatch(old.name):
+                old.unlink()
+    for file in sorted(file for file in folder.rglob("*") if file.is_file()):
+        os.replace(file, directory / file.relative_to(folder))  # noqa: PTH105 -- replaces atomically

@@ -8,6 +8,7 @@ from __future__ import annotations
 
 import re
 import sys
+from enum import StrEnum
 from importlib import resources
 
 import resvg_py
@@ -16,6 +17,13 @@ _FONT = "Roboto"
 _FILES = ("Roboto-Regular.ttf", "Roboto-Bold.ttf")
 _BEYOND = re.compile("[^\u0000-\u052f\u2000-\u22ff]")
 """Signs other than Latin, Greek, Cyrillic, punctuation, arrows and mathematics."""
+
+
+class Form(StrEnum):
+    """What a picture is written as."""
+
+    SVG = "svg"
+    PNG = "png"
 
 
 def png_of(svg: str) -> bytes:

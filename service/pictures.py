@@ -7,7 +7,6 @@ from __future__ import annotations
 
 import asyncio
 from dataclasses import dataclass
-from enum import StrEnum
 from functools import partial
 
 from semtopo import MapState
@@ -17,14 +16,8 @@ from service import store
 from service.hot import HotSession
 from service.maps import Body, Maps
 from service.painter import Painter
+from service.painting import Form
 from service.sessions import Sessions
-
-
-class Form(StrEnum):
-    """What a picture is written as."""
-
-    SVG = "svg"
-    PNG = "png"
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)

@@ -25,7 +25,9 @@ from service.cli import main
 SEMTOPO = Path(sys.executable).with_name("semtopo")
 EXAMPLE = Path(__file__).parents[1] / "examples" / "paper"
 WORLD, PATH = EXAMPLE / "world.json", EXAMPLE / "path.csv"
-FILES = {"zones.geojson", "graph.json", "steps.jsonl", "map.svg"}
+FILES = {
+    "zones.geojson", "graph.json", "borders.geojson", "doorways.geojson", "steps.jsonl", "map.svg",
+}  # fmt: skip
 TIMINGS = {"measurement", "analysis", "extraction", "map_update", "graph_update", "total"}
 
 Done = subprocess.CompletedProcess[str]

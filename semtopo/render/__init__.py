@@ -51,7 +51,7 @@ def _extent(state: MapState, drawing: Drawing) -> Floats:
         shapely.box(*shapely.total_bounds(regions)) if regions else []
     )
     line = () if drawing.route is None else drawing.route.line
-    others = np.array([*drawing.trail, *line], dtype=np.float64).reshape(-1, 2)
+    others = np.array([*drawing.trail, *drawing.around, *line], dtype=np.float64).reshape(-1, 2)
     points = np.concatenate([corners, others])
     return points if len(points) else np.array([[0.0, 0.0], [1.0, 1.0]])
 

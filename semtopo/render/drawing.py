@@ -52,7 +52,8 @@ class Drawing:
 
     `trail` is where the robot was, in m, map frame, oldest first; it stands at the end. A picture
     of which neither `width` nor `height` in pixels is given is as large as its map needs, and if
-    one is given, the other follows. `caption` stands below the map.
+    one is given, the other follows. `caption` stands below the map. The points `around` in m lie
+    on the picture too, so that several pictures may show the same stretch of the world.
 
     Raises
     ------
@@ -66,6 +67,7 @@ class Drawing:
     height: int | None = None
     route: DrawnRoute | None = None
     caption: str = ""
+    around: Sequence[Point] = ()
 
     def __post_init__(self) -> None:
         """Refuse sizes out of range."""

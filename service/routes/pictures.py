@@ -8,8 +8,9 @@ from fastapi import APIRouter, Query, Request, Response
 
 from semtopo.render.drawing import DEFAULT_LAYERS, SIDE_MAX, SIDE_MIN, Layer, read_layers
 from service.errors import InvalidRequestError
+from service.painting import Form
 from service.parameters import AtStep, IfNoneMatch, SessionId, ZoneName, pictures_of
-from service.pictures import Form, PictureRequest
+from service.pictures import PictureRequest
 from service.replies import unless_known
 from service.schemas.problems import problems
 
