@@ -86,7 +86,8 @@ class Atlas:
 
     def __post_init__(self) -> None:
         """Let nobody change the notes from here on."""
-        object.__setattr__(self, "notes", MappingProxyType(self.notes))
+        if not isinstance(self.notes, MappingProxyType):
+            object.__setattr__(self, "notes", MappingProxyType(self.notes))
 
     @property
     def limits(self) -> Limits:

@@ -7,16 +7,22 @@ Unicode's form NFC, then without regard to case.
 from __future__ import annotations
 
 import unicodedata
-from collections.abc import Callable, Iterator
-from heapq import nlargest
+from collections.abc import Callable, Iterable, Mapping
+from functools import cached_property, lru_cache
 
-from semtopo.atlas import Atlas
+from semtopo.atlas import Atlas, ZoneNotes
 from semtopo.errors import AmbiguousZoneError, UnknownZoneError
+from semtopo.graph import TopologyGraph
+from semtopo.likeness import NameLikeness
 
 NAMES_TOLD_MAX = 5
 """How many close names or candidates are told."""
 
-_LIKENESS_MIN = 0.4  # of 1; with less in common, hardly anybody would take one for the other
+DIRECTORIES_KEPT = 16
+"""Maps whose names are at hand at once."""
+
+_Meanings = dict[str, tuple[str, ...]]
+"""Zone ids by name."""
 
 
 def resolve(atlas: Atlas, name: str) -> tuple[str, ...]:
@@ -32,17 +38,14 @@ def resolve(atlas: Atlas, name: str) -> tuple[str, ...]:
     AmbiguousZoneError
         Several names that mean different zones differ from this one in case alone.
     """
-    for form in (str, _written, folded):
-        wanted = form(name)
-        for names in _tiers(atlas):
-            meanings: dict[str, list[str]] = {}
-            for known, zone_id in names:
-                if form(known) == wanted:
-                    meanings.setdefault(_written(known), []).append(zone_id)
-            if len({tuple(zones) for zones in meanings.values()}) > 1:
+    directory = directory_of(atlas)
+    for form in _FORMS:
+        for tier in directory.tiers:
+            meanings = tier.meanings(form, name)
+            if len(set(meanings.values())) > 1:
                 raise AmbiguousZoneError("several names differ in case alone", _few(meanings))
             if meanings:
-                return tuple(dict.fromkeys(next(iter(meanings.values()))))
+                return next(iter(meanings.values()))
     raise UnknownZoneError("the map has no zone of that name", closest_names(atlas, name))
 
 
@@ -70,41 +73,24 @@ def resolve_class(atlas: Atlas, name: str) -> tuple[str, ...]:
     UnknownZoneError
         There is no such class and no such label.
     """
-    for form in (str, _written, folded):
-        for names in (_classes(atlas), _labels(atlas)):
-            zones = tuple(zone for known, zone in names if form(known) == form(name))
+    directory = directory_of(atlas)
+    for form in _FORMS:
+        for tier in (directory.classes, directory.labels):
+            meanings = tier.meanings(form, name).values()
+            zones = {zone for of_one in meanings for zone in of_one}
             if zones:
-                return zones
+                return tuple(zone for zone in atlas.state.graph.nodes if zone in zones)
     raise UnknownZoneError("the map has no zone of that class", closest_names(atlas, name))
 
 
 def closest_names(atlas: Atlas, name: str) -> tuple[str, ...]:
     """Return up to `NAMES_TOLD_MAX` known names that are like a name, the likest first."""
-    wanted = _pairs(name)
-    names = dict.fromkeys(_written(known) for tier in _tiers(atlas) for known, _ in tier)
-    likeness = {known: _likeness(wanted, _pairs(known)) for known in names}
-    alike = [known for known, likeness in likeness.items() if likeness >= _LIKENESS_MIN]
-    return tuple(nlargest(NAMES_TOLD_MAX, alike, key=likeness.__getitem__))
+    return directory_of(atlas).likeness.closest(folded(name), NAMES_TOLD_MAX)
 
 
-def known_names(atlas: Atlas) -> tuple[str, ...]:
-    """Return every name that means something: ids, labels, aliases and classes, each once."""
-    return tuple(dict.fromkeys(name for tier in _tiers(atlas) for name, _ in tier))
-
-
-def _pairs(name: str) -> set[str]:
-    """Return the pairs of neighbouring characters of a name, its ends marked; case counts not."""
-    marked = f"\n{folded(name)}\n"
-    return {marked[at : at + 2] for at in range(len(marked) - 1)}
-
-
-def _likeness(one: set[str], other: set[str]) -> float:
-    """Return how much two sets have in common, from 0 to 1 (Dice's coefficient)."""
-    return 2 * len(one & other) / (len(one) + len(other))
-
-
-def _written(name: str) -> str:
-    return unicodedata.normalize("NFC", name)
+def is_known(atlas: Atlas, name: str) -> bool:
+    """Say whether a name means anything, as it is or but for case."""
+    return any(tier.meanings(folded, name) for tier in directory_of(atlas).tiers)
 
 
 def folded(name: str) -> str:
@@ -112,36 +98,88 @@ def folded(name: str) -> str:
     return unicodedata.normalize("NFC", unicodedata.normalize("NFC", name).casefold())
 
 
-_Names = Callable[[Atlas], Iterator[tuple[str, str]]]
+def _written(name: str) -> str:
+    return unicodedata.normalize("NFC", name)
 
 
-def _tiers(atlas: Atlas) -> Iterator[Iterator[tuple[str, str]]]:
-    """Yield names with the zones they mean, kind by kind."""
-    yield from (kind(atlas) for kind in (_ids, _labels, _aliases, _classes))
+_FORMS: tuple[Callable[[str], str], ...] = (str, _written, folded)
 
 
-def _ids(atlas: Atlas) -> Iterator[tuple[str, str]]:
-    return ((zone_id, zone_id) for zone_id in atlas.state.graph.nodes)
+class Tier:
+    """Names of one kind, with the zones that each means."""
+
+    def __init__(self, names: Iterable[tuple[str, str]]) -> None:
+        """Take names with a zone that each means, in order of finding."""
+        found: dict[str, dict[str, None]] = {}
+        for name, zone in names:
+            found.setdefault(name, {})[zone] = None
+        self.zones: _Meanings = {name: tuple(zones) for name, zones in found.items()}
+        self._by_form: dict[Callable[[str], str], dict[str, list[str]]] = {}
+
+    def meanings(self, form: Callable[[str], str], name: str) -> _Meanings:
+        """Return the names of which a form is that of a name, as they are written, and zones."""
+        if form not in self._by_form:
+            alike: dict[str, list[str]] = {}
+            for known in self.zones:
+                alike.setdefault(form(known), []).append(known)
+            self._by_form[form] = alike
+        meant: dict[str, tuple[str, ...]] = {}
+        for known in self._by_form[form].get(form(name), ()):
+            written = _written(known)
+            meant[written] = tuple(dict.fromkeys((*meant.get(written, ()), *self.zones[known])))
+        return meant
 
 
-def _labels(atlas: Atlas) -> Iterator[tuple[str, str]]:
-    return ((node.label, node.zone_id) for node in atlas.state.graph.nodes.values())
+class Directory:
+    """All names of a map: ids, labels, aliases, classes."""
+
+    def __init__(self, graph: TopologyGraph, notes: Mapping[str, ZoneNotes]) -> None:
+        """Take the zones of a map, and what they are called besides."""
+        self.ids, self.labels = _tiers_of_graph(graph)
+        noted = [(zone, notes[zone]) for zone in graph.nodes if zone in notes] if notes else []
+        self.aliases = Tier((alias, zone) for zone, of in noted for alias in of.aliases)
+        self.classes = Tier(
+            (of.zone_class, zone) for zone, of in noted if of.zone_class is not None
+        )
+        self.tiers = (self.ids, self.labels, self.aliases, self.classes)
+
+    @cached_property
+    def likeness(self) -> NameLikeness:
+        """Tells which names are like another."""
+        names = dict.fromkeys(_written(name) for tier in self.tiers for name in tier.zones)
+        return NameLikeness({name: folded(name) for name in names})
 
 
-def _aliases(atlas: Atlas) -> Iterator[tuple[str, str]]:
-    return ((it, zone) for zone in _noted(atlas) for it in atlas.notes[zone].aliases)
+def directory_of(atlas: Atlas) -> Directory:
+    """Return the names of an atlas; it is kept, for the next question about the same map."""
+    return _directory_of(atlas.state.graph, _Same(atlas.notes))
 
 
-def _classes(atlas: Atlas) -> Iterator[tuple[str, str]]:
-    noted = ((atlas.notes[zone].zone_class, zone) for zone in _noted(atlas))
-    return ((it, zone) for it, zone in noted if it is not None)
+class _Same:
+    """A value that equals itself alone, so that it can be a key."""
+
+    def __init__(self, value: Mapping[str, ZoneNotes]) -> None:
+        self.value = value
+
+    def __eq__(self, other: object) -> bool:
+        return isinstance(other, _Same) and other.value is self.value
+
+    def __hash__(self) -> int:
+        return id(self.value)
 
 
-def _noted(atlas: Atlas) -> Iterator[str]:
-    """Yield the zones that have notes, in order of finding."""
-    return (zone for zone in atlas.state.graph.nodes if zone in atlas.notes)
+@lru_cache(maxsize=DIRECTORIES_KEPT)
+def _directory_of(graph: TopologyGraph, notes: _Same) -> Directory:
+    return Directory(graph, notes.value)
 
 
-def _few(names: object) -> tuple[str, ...]:
-    assert isinstance(names, dict | tuple)  # noqa: S101 -- called by this room alone
+@lru_cache(maxsize=DIRECTORIES_KEPT)
+def _tiers_of_graph(graph: TopologyGraph) -> tuple[Tier, Tier]:
+    """Return the ids and the labels of a graph; one and the same where no two differ."""
+    ids = Tier((zone, zone) for zone in graph.nodes)
+    labels = [(node.label, zone) for zone, node in graph.nodes.items()]
+    return ids, ids if all(label == zone for label, zone in labels) else Tier(labels)
+
+
+def _few(names: Iterable[str]) -> tuple[str, ...]:
     return tuple(names)[:NAMES_TOLD_MAX]

@@ -19,7 +19,7 @@ LAYERS = [
     {"inset", "triangulation", "world"}, {"taut"}, {"bottleneck"}, {"freespace"},
     {"sensor"}, {"scan"}, {"runs", "strips"}, {"doorways"}, {"zones"}, {"metric"}, {"placement"},
     {"borders", "graph"}, {"findings"}, {"mapper"},
-    {"atlas", "expectations", "grammar", "questions"},
+    {"atlas", "expectations", "grammar", "likeness", "questions"},
     {"ground", "network"}, {"search"}, {"gap", "journey"}, {"finder"},
     {"names", "phrases", "reading", "route"},
     {"answers"},

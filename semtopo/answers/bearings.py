@@ -87,8 +87,8 @@ def _telling_where(name: Named) -> Iterator[None]:
     try:
         yield
     except UnknownZoneError as error:
-        like = f" Alike are {listed(error.closest)}." if error.closest else ""
-        text = f"The map knows nothing by the name {where}.{like}"
+        hint = f"Alike: {listed(error.closest)}." if error.closest else 'Ask "list zones".'
+        text = f"The map knows nothing by the name {where}. {hint}"
         raise UnknownZoneError(text, error.closest, name.position) from None
     except AmbiguousZoneError as error:
         text = f"The name {where} may mean {listed(error.candidates, 'or')}; say which."

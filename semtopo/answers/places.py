@@ -40,6 +40,8 @@ from semtopo.questions import (
 from semtopo.route import widest_place
 from semtopo.types import Floats, Occupancy
 
+_FRONTIERS_TOLD = 3
+
 PlaceQuestion: TypeAlias = (
     HereQuestion
     | LocationQuestion
@@ -168,7 +170,9 @@ def zones(atlas: Atlas, question: ZonesQuestion) -> ZonesAnswer:
     named = question.zone_class
     found = atlas.state.graph.nodes if named is None else zones_of_class(atlas, named)
     listing = tuple(_listed(atlas, zone) for zone in found)
-    told = f": {listed([it.zone for it in listing])}" if listing else ""
+    if not listing:
+        return ZonesAnswer("No zone is known yet.", ())
+    told = f": {listed([it.zone for it in listing])}"
     are = "is" if len(listing) == 1 else "are"
     return ZonesAnswer(f"There {are} {counted(len(listing), 'zone')}{told}.", listing)
 
@@ -207,8 +211,9 @@ def frontiers(atlas: Atlas, question: FrontiersQuestion) -> FrontiersAnswer:
     if not found:
         sentence = f"Nothing: walls and passages are all around {zone}."
         return FrontiersAnswer(sentence, zone, ())
-    told = listed([f"{one.length:.1f} m {at(one.point)}" for one in found])
-    sentence = f"Unexplored in {zone}: {counted(len(found), 'frontier')}, {told}."
+    extent = f"{sum(one.length for one in found):.1f} m of frontier"
+    told = listed([f"{one.length:.1f} m {at(one.point)}" for one in found[:_FRONTIERS_TOLD]])
+    sentence = f"Unexplored in {zone}: {extent} in {counted(len(found), 'piece')}, first {told}."
     return FrontiersAnswer(sentence, zone, tuple(found))
 
 

@@ -17,16 +17,18 @@ from itertools import islice
 from semtopo.atlas import Atlas
 from semtopo.errors import AmbiguousQuestionError, InvalidQuestionError
 from semtopo.grammar import reserved_words
-from semtopo.names import folded, known_names
+from semtopo.names import is_known
 from semtopo.phrases import listed, phrase
 from semtopo.questions import Named, Question
 from semtopo.reading import FINAL_MARKS, OPENING_MARKS, bound, parse
 
-_WORD = re.compile(r"[^\s,]+")
-_MARKS = frozenset(FINAL_MARKS) - {" "} | frozenset(OPENING_MARKS) | {","}
-
 _SPANS_MAX = 6
 """Names with words of the grammar in one sentence that are tried; each costs a reading."""
+
+_NAME_WORDS_MAX = 8
+"""Longer names are read in quotation marks only, if they hold words of the grammar."""
+
+_MARKS = FINAL_MARKS + OPENING_MARKS + ","
 
 
 def understand(atlas: Atlas, text: str) -> Question:
@@ -39,12 +41,11 @@ def understand(atlas: Atlas, text: str) -> Question:
     AmbiguousQuestionError
         It asks different things, as it is read.
     """
-    names = frozenset(map(folded, known_names(atlas)))
     readings: list[Question] = []
-    for said in _bound_in_turn(text, names):
+    for said in _bound_in_turn(atlas, text):
         with suppress(InvalidQuestionError):
             question = parse(said)
-            if question not in readings and _names_of(question) <= names:
+            if question not in readings and _is_about(atlas, question):
                 readings.append(question)
     if len(readings) > 1:
         meanings = tuple(map(phrase, readings))
@@ -53,13 +54,13 @@ def understand(atlas: Atlas, text: str) -> Question:
     return readings[0] if readings else parse(text)
 
 
-def _bound_in_turn(text: str, names: frozenset[str]) -> Iterator[str]:
+def _bound_in_turn(atlas: Atlas, text: str) -> Iterator[str]:
     """Yield a sentence as it is, then with names in it bound that it may else be read through.
 
     First each alone, then all together, as far as they do not overlap.
     """
     yield text
-    spans = list(islice(_spans(text, names), _SPANS_MAX))
+    spans = list(islice(_spans(atlas, text), _SPANS_MAX))
     yield from (bound(text, *span) for span in spans)
     if len(spans) > 1:
         end = 0
@@ -69,38 +70,31 @@ def _bound_in_turn(text: str, names: frozenset[str]) -> Iterator[str]:
         yield text
 
 
-def _spans(text: str, names: frozenset[str]) -> Iterator[tuple[int, int]]:
-    """Yield where names that may be misread stand in a sentence, the longest first."""
-    known = _misreadable(names)
-    words = list(_WORD.finditer(text))
-    said = [folded(word[0]) for word in words]
-    for number, first in enumerate(said):
-        for parts in known.get(first.rstrip(FINAL_MARKS), ()):
-            stop = number + len(parts)
-            if said[number:stop] == parts:
-                yield words[number].start(), words[stop - 1].end()
-            elif [*said[number : stop - 1], said[-1].rstrip(FINAL_MARKS)] == parts:
-                yield words[number].start(), len(text.rstrip(FINAL_MARKS))
+def _spans(atlas: Atlas, text: str) -> Iterator[tuple[int, int]]:
+    """Yield where known names stand that may be misread, from left to right, the longest first."""
+    words = [(word.start(), word.end()) for word in re.finditer(r"\S+", text)]
+    for number, (start, _) in enumerate(words):
+        for _, stop in reversed(words[number : number + _NAME_WORDS_MAX]):
+            for end in sorted({stop, start + len(text[start:stop].rstrip(_MARKS))}, reverse=True):
+                said = " ".join(text[start:end].split())
+                if _may_be_misread(said) and is_known(atlas, said):
+                    yield start, end
 
 
-def _misreadable(names: frozenset[str]) -> dict[str, list[list[str]]]:
-    """Return the names with words or marks of the grammar, by their first word, as words."""
-    found: dict[str, list[list[str]]] = {}
-    for name in names:
-        parts = _WORD.findall(name)
-        if parts and not (reserved_words().isdisjoint(parts) and _MARKS.isdisjoint(name)):
-            found.setdefault(parts[0].rstrip(FINAL_MARKS), []).append(parts)
-    return {first: sorted(group, key=len, reverse=True) for first, group in found.items()}
+def _may_be_misread(name: str) -> bool:
+    """Say whether a name holds words or marks of the grammar."""
+    words = name.casefold().replace(",", " ").split()
+    return not reserved_words().isdisjoint(words) or name.strip(_MARKS) != name or "," in name
 
 
-def _names_of(part: object) -> set[str]:
-    """Return the names in a question, folded."""
+def _is_about(atlas: Atlas, part: object) -> bool:
+    """Say whether the map knows all names in a question."""
     match part:
         case Named(name):
-            return {folded(name)}
+            return is_known(atlas, name)
         case tuple():
-            return {name for one in part for name in _names_of(one)}
+            return all(_is_about(atlas, one) for one in part)
         case _ if is_dataclass(part):
-            return {name for one in fields(part) for name in _names_of(getattr(part, one.name))}
+            return all(_is_about(atlas, getattr(part, one.name)) for one in fields(part))
         case _:
-            return set()
+            return True
