@@ -33,6 +33,7 @@ class Gap:
     reaching: tuple[str, ...]
     missing: MissingPassage | None
     frontier: NearestFrontier | None
+    restricted: bool
 
 
 @dataclass(frozen=True, slots=True)

@@ -57,7 +57,7 @@ def connection(atlas: Atlas, question: ConnectionQuestion) -> ConnectionAnswer:
     try:
         route = _joined(tuple(_routes(atlas, start_of(atlas, question.start), question.legs)))
     except NoRouteError as gap:
-        found = Gap(gap.reachable, gap.reaching, gap.missing, gap.frontier)
+        found = Gap(gap.reachable, gap.reaching, gap.missing, gap.frontier, gap.restricted)
         return ConnectionAnswer(f"No. {gap}", connected=False, gap=found)
     return ConnectionAnswer(f"Yes. {_described(route)}", connected=True, route=route)
 
@@ -102,6 +102,7 @@ def _one_route(atlas: Atlas, start: Place, leg: Leg) -> Route:
             reaching=gap.reaching,
             missing=gap.missing,
             frontier=gap.frontier,
+            restricted=gap.restricted,
         ) from None
 
 
@@ -138,19 +139,20 @@ def _refusal(request: RouteRequest, gap: NoRouteError) -> str:
     goal = listed([place.zone_id for place in request.goals], "or")
     via = f" via {listed(request.via)}" if request.via else ""
     avoiding = f" avoiding {listed(sorted(request.avoid_zones))}" if request.avoid_zones else ""
+    what = f"There is no way from {start} to {goal}{via}{avoiding}{_reason(gap)}"
+    return " ".join([what, *_known_ways(start, goal, gap), *_way_out(gap)])
+
+
+def _reason(gap: NoRouteError) -> str:
+    """Say in half a sentence what is in the way."""
     missing = gap.missing
-    why = (
-        f": {missing.source} -> {missing.target} is not known, though "
-        f"{missing.target} -> {missing.source} has been since step {missing.since}"
-        if missing
-        else ""
-    )
-    return " ".join(
-        [
-            f"There is no way from {start} to {goal}{via}{avoiding} yet{why}.",
-            *_known_ways(start, goal, gap),
-            *_way_out(gap),
-        ]
+    if gap.restricted:
+        return "; there would be one, but for what is closed or avoided."
+    if missing is None:
+        return " yet."
+    return (
+        f" yet: {missing.source} -> {missing.target} is not known, though"
+        f" {missing.target} -> {missing.source} has been since step {missing.since}."
     )
 
 
