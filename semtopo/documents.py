@@ -21,7 +21,7 @@ from pydantic import (
 from semtopo.errors import InvalidWorldError
 from semtopo.runs import LabelledRuns
 from semtopo.sensor import Sensor
-from semtopo.types import Edges, Kind, MappingOptions, Pose
+from semtopo.types import Edges, Identity, Kind, MappingOptions, Passages, Pose
 from semtopo.world import World, WorldZone
 
 COORDINATE_MAX = 1e6  # m; a float still resolves 1e-10 m there
@@ -121,11 +121,18 @@ class MappingDocument(Document):
     """How a session maps; the defaults are the paper's behaviour. `min_zone_area` in m^2."""
 
     edges: Literal["seen", "adjacent"] = "seen"
+    passages: Literal["first", "all"] = "first"
+    identity: Literal["label", "instance"] = "label"
     min_zone_area: Annotated[Number, Field(ge=0, le=COORDINATE_MAX)] = 0.0
 
     def value(self) -> MappingOptions:
         """Return the options."""
-        return MappingOptions(edges=Edges(self.edges), min_zone_area=self.min_zone_area)
+        return MappingOptions(
+            edges=Edges(self.edges),
+            passages=Passages(self.passages),
+            identity=Identity(self.identity),
+            min_zone_area=self.min_zone_area,
+        )
 
 
 class PoseDocument(Document):

@@ -23,7 +23,7 @@ from semtopo.documents import SensorDocument
 from semtopo.errors import InvalidOptionError, SemtopoError
 from semtopo.formats.fault import describe_fault
 from semtopo.sensor import Sensor
-from semtopo.types import Edges, MappingOptions
+from semtopo.types import Edges, Identity, MappingOptions, Passages
 from service.folder import read_folder
 from service.mapping_run import (
     Drive,
@@ -114,6 +114,12 @@ def map_drive(  # noqa: PLR0913 -- one parameter for each option
     ] = None,
     samples: Annotated[int | None, typer.Option(help="On each beam.", show_default="20")] = None,
     edges: Annotated[Edges, typer.Option(help="Which zones are linked.")] = Edges.SEEN,
+    passages: Annotated[
+        Passages, typer.Option(help="Between two zones: the first, or all.")
+    ] = Passages.FIRST,
+    identity: Annotated[
+        Identity, typer.Option(help="What is one zone: a label, or each place of it.")
+    ] = Identity.LABEL,
     min_zone_area: Annotated[float, typer.Option(help="In m^2.")] = 0.0,
     frames: Annotated[
         Form | None, typer.Option(help="A picture for each change of the graph.")
@@ -123,7 +129,9 @@ def map_drive(  # noqa: PLR0913 -- one parameter for each option
     """Map a simulated drive through WORLD along PATH, or a real one recorded in --scans."""
     started = perf_counter()
     extras = Extras(frames, animation)
-    options = MappingOptions(edges=edges, min_zone_area=min_zone_area)
+    options = MappingOptions(
+        edges=edges, passages=passages, identity=identity, min_zone_area=min_zone_area
+    )
     drive = _drive(world, path, scans, {"beams": beams, "range": sensor_range, "samples": samples})
     steps = _with_progress(timed_steps(drive.looks, options), drive.count)
     state = write_map(steps, drive.count, out, extras)

@@ -13,6 +13,7 @@ from dataclasses import dataclass, replace
 from sqlalchemy import Connection
 
 from semtopo import (
+    Doorway,
     LabelledRuns,
     MappedZone,
     MappingDocument,
@@ -38,9 +39,11 @@ from service.stopwatch import Stopwatch
 SESSION_BYTES = 5_000
 WORLD_ZONE_BYTES = 1_300
 MAP_ZONE_BYTES = 1_500
+DOORWAY_BYTES = 1_500
 POINT_BYTES = 20
 """What a session takes in memory, and in it a zone of its world, a zone of its map with its
-passages, and there a vertex or border point (measured: 1.2 kB, 1.3 kB, 17 bytes)."""
+passages, a doorway with its own, and there a vertex or border point (measured: 1.2 kB, 1.3 kB,
+1.4 kB, 17 bytes)."""
 
 MAP_ZONES_MAX = 10_000
 MAP_BYTES_MAX = 2**26  # some three million vertices and border points
@@ -91,9 +94,14 @@ class HotSession:
 
     def after(self, state: MapState, step_ms: float) -> HotSession:
         """Return the session with the map after one more step, which took `step_ms`."""
-        before, changed = self.state.metric, state.metric.changed_since(self.state.metric)
-        replaced = [before.zones[zone.zone_id] for zone in changed if zone.zone_id in before.zones]
-        grown = _bytes_of(changed) - _bytes_of(replaced)
+        before, after = self.state.metric, state.metric
+        zones, doors = after.changed_since(before), after.doorways.changed_since(before.doorways)
+        zone_ids = [*(it.zone_id for it in zones), *list(after.former)[len(before.former) :]]
+        keys = [it.key for it in doors]
+        keys += list(after.doorways.former)[len(before.doorways.former) :]
+        old_zones = [before.zones[zone_id] for zone_id in zone_ids if zone_id in before.zones]
+        old_doors = [before.doorways[key] for key in keys if key in before.doorways]
+        grown = _bytes_of(zones, doors) - _bytes_of(old_zones, old_doors)
         row = replace(self.row, version=state.seq)
         return replace(
             self, row=row, state=state, step_ms=step_ms, map_bytes=self.map_bytes + grown
@@ -112,7 +120,8 @@ class HotSession:
         if self.map_bytes > MAP_BYTES_MAX:
             raise MapFullError("this map has as many points as it may")
         taken = step(self.state, self.look(pose, seen, watch), self.options, watch.ended)
-        if len(taken.state.metric.zones) > MAP_ZONES_MAX:
+        metric = taken.state.metric
+        if len(metric.zones) + len(metric.former) > MAP_ZONES_MAX:
             raise MapFullError(f"a map has at most {MAP_ZONES_MAX} zones")
         return taken
 
@@ -156,13 +165,13 @@ def load(connection: Connection, session_id: str, known: HotSession | None) -> H
     sensor = SensorDocument.model_validate_json(row.sensor).value()
     options = MappingDocument.model_validate_json(row.mapping).value()
     state = store.load_state(connection, row)
-    map_bytes = _bytes_of(state.metric.zones.values())
+    map_bytes = _bytes_of(state.metric.zones.values(), state.metric.doorways.values())
     return HotSession(row, world, sensor, options, state, map_bytes=map_bytes)
 
 
-def _bytes_of(zones: Iterable[MappedZone]) -> int:
-    """Return about what zones of a map take in memory."""
+def _bytes_of(zones: Iterable[MappedZone], doorways: Iterable[Doorway]) -> int:
+    """Return about what zones and doorways of a map take in memory."""
     return sum(
         MAP_ZONE_BYTES + POINT_BYTES * (count_vertices(zone.region) + len(zone.border.xy))
         for zone in zones
-    )
+    ) + sum(DOORWAY_BYTES + POINT_BYTES * count_vertices(door.region) for door in doorways)

@@ -1,8 +1,10 @@
 """The schema of the database: what the invariants of a map look like as constraints.
 
-State rows (`zones`, `passages`, a session's `version`) are authoritative; the log (`steps`) is for
-audit, replay and answers to retries. `zone_versions` holds, at every checkpoint, the zones that
-changed since the one before, so that an earlier map is a short replay away.
+State rows (`zones`, `passages`, `doorways`, a session's `version`) are authoritative; the log
+(`steps`) is for audit, replay and answers to retries. `zone_versions` and `doorway_versions` hold,
+at every checkpoint, what changed since the one before, so that an earlier map is a short replay
+away. What proved to be part of something else keeps its row; `until` is the step since which it is
+no more.
 """
 
 from __future__ import annotations
@@ -97,6 +99,8 @@ zones = Table(
     Column("seq", Integer, nullable=False),
     Column("region", LargeBinary, nullable=False),  # WKB, m
     Column("border", LargeBinary, nullable=False),
+    Column("until", Integer),
+    Column("merged_into", Text),  # the zone of which it is a part since then
     UniqueConstraint("session", "position"),
     CheckConstraint("1 <= since AND since <= seq", name="seq"),
 )
@@ -124,10 +128,13 @@ passages = Table(
     _session_column(),
     Column("source", Text, primary_key=True),
     Column("target", Text, primary_key=True),
+    Column("number", Integer, primary_key=True, autoincrement=False),
     Column("position", Integer, nullable=False),  # in the order of finding
     Column("x", Float(53), nullable=False),  # m; 53 bits, so that PostgreSQL keeps every one
     Column("y", Float(53), nullable=False),
     Column("seq", Integer, nullable=False),
+    Column("moved", Integer, nullable=False),  # the step since which it has its key; 0: `seq`
+    Column("until", Integer),
     UniqueConstraint("session", "position"),
     CheckConstraint("source <> target", name="no_loop"),
     ForeignKeyConstraint(
@@ -143,4 +150,54 @@ passages = Table(
         ondelete="CASCADE",
     ),
     Index("ix_passages_session_target", "session", "target"),
+)
+
+doorways = Table(
+    "doorways",
+    metadata,
+    _session_column(),
+    Column("one", Text, primary_key=True),
+    Column("other", Text, primary_key=True),
+    Column("number", Integer, primary_key=True, autoincrement=False),
+    Column("position", Integer, nullable=False),  # in the order of finding
+    Column("since", Integer, nullable=False),
+    Column("seq", Integer, nullable=False),
+    Column("region", LargeBinary, nullable=False),  # WKB, m
+    Column("until", Integer),
+    Column("became_one", Text),  # the doorway of which it is a part since then
+    Column("became_other", Text),
+    Column("became_number", Integer),
+    UniqueConstraint("session", "position"),
+    CheckConstraint("1 <= since AND since <= seq", name="seq"),
+    ForeignKeyConstraint(
+        ["session", "one"],
+        ["zones.session", "zones.zone_id"],
+        name="fk_doorways_one",
+        ondelete="CASCADE",
+    ),
+    ForeignKeyConstraint(
+        ["session", "other"],
+        ["zones.session", "zones.zone_id"],
+        name="fk_doorways_other",
+        ondelete="CASCADE",
+    ),
+    Index("ix_doorways_session_other", "session", "other"),
+)
+
+doorway_versions = Table(
+    "doorway_versions",
+    metadata,
+    _session_column(),
+    Column("one", Text, primary_key=True),
+    Column("other", Text, primary_key=True),
+    Column("number", Integer, primary_key=True, autoincrement=False),
+    Column("checkpoint", Integer, primary_key=True, autoincrement=False),
+    Column("seq", Integer, nullable=False),
+    Column("region", LargeBinary, nullable=False),
+    ForeignKeyConstraint(
+        ["session", "one", "other", "number"],
+        ["doorways.session", "doorways.one", "doorways.other", "doorways.number"],
+        name="fk_doorway_versions_doorway",
+        ondelete="CASCADE",
+    ),
 )

@@ -18,7 +18,7 @@ from hypothesis import strategies as st
 
 from semtopo.runs import LabelledRuns
 from semtopo.sensor import Sensor
-from semtopo.types import Edges, Kind, MappingOptions, Point, Pose
+from semtopo.types import Edges, Identity, Kind, MappingOptions, Passages, Point, Pose
 from semtopo.world import World, WorldZone
 
 SPACES = ("a", "b", "c")
@@ -137,6 +137,22 @@ offsets = st.tuples(*[st.sampled_from([-64.0, -8.0, -0.25, 0.0, 0.5, 16.0, 1024.
 
 options = st.builds(
     MappingOptions, edges=st.sampled_from(Edges), min_zone_area=st.sampled_from([0.0, 0.0, 0.05])
+)
+"""Mapping options with a zone for each label, and one passage between two."""
+
+instances = st.builds(
+    MappingOptions,
+    edges=st.sampled_from(Edges),
+    passages=st.sampled_from(Passages),
+    identity=st.just(Identity.INSTANCE),
+    min_zone_area=st.sampled_from([0.0, 0.0, 0.05]),
+)
+"""Mapping options with a zone for each place."""
+
+all_options = st.one_of(
+    options,
+    instances,
+    st.builds(MappingOptions, edges=st.sampled_from(Edges), passages=st.just(Passages.ALL)),
 )
 """All mapping options."""
 

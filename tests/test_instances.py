@@ -27,7 +27,7 @@ from semtopo.sensor import Sensor
 from semtopo.types import Edges, Identity, MappingOptions, Passages, Point, Pose
 from semtopo.world import World
 from semtopo.zones import Border, SensorMap, Zone
-from tests.strategies import Scene, labelled_runs, many, patient, poses, scenes
+from tests.strategies import Scene, instances, labelled_runs, many, patient, poses, scenes
 
 NOTHING = Border(np.empty((0, 2)), np.empty(0, dtype=np.uint8))
 FINE = Sensor(beams=180, range=6.0, samples=60)
@@ -54,15 +54,6 @@ ROUND_A_PILLAR = """
     ###########
 """
 """One office with two doors to a hall: from the hall one sees two parts of it."""
-
-fancy = st.builds(
-    MappingOptions,
-    edges=st.sampled_from(Edges),
-    passages=st.sampled_from(Passages),
-    identity=st.just(Identity.INSTANCE),
-    min_zone_area=st.sampled_from([0.0, 0.0, 0.05]),
-)
-"""Mapping options with zones as instances."""
 
 doors = st.builds(MappingOptions, edges=st.sampled_from(Edges), passages=st.just(Passages.ALL))
 """Mapping options with zones by label, and all passages."""
@@ -241,7 +232,7 @@ def check_run(steps: list[Step], options: MappingOptions) -> None:
 
 
 @patient
-@given(scene=scenes(walk=6), options=st.one_of(fancy, doors))
+@given(scene=scenes(walk=6), options=st.one_of(instances, doors))
 def test_what_holds_after_every_step_in_a_world(scene: Scene, options: MappingOptions) -> None:
     check_run(list(explore(scene.world, scene.sensor, scene.walk, options)), options)
 
@@ -250,7 +241,7 @@ def test_what_holds_after_every_step_in_a_world(scene: Scene, options: MappingOp
 @given(
     seen=st.lists(labelled_runs(), min_size=1, max_size=3),
     at=st.lists(poses, min_size=4, max_size=6),
-    options=st.one_of(fancy, doors),
+    options=st.one_of(instances, doors),
 )
 def test_what_holds_after_every_step_of_a_real_robot(
     seen: list[LabelledRuns], at: list[Pose], options: MappingOptions
@@ -260,7 +251,7 @@ def test_what_holds_after_every_step_of_a_real_robot(
 
 
 @patient
-@given(scene=scenes(), options=fancy)
+@given(scene=scenes(), options=instances)
 def test_instances_together_are_the_zones_by_label(scene: Scene, options: MappingOptions) -> None:
     by_label = MappingOptions(edges=options.edges)
     same = MappingOptions(edges=options.edges, passages=options.passages, identity=options.identity)

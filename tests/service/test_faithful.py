@@ -28,7 +28,7 @@ from tests.service.twin import (
     untimed,
     world_json,
 )
-from tests.strategies import Scene, labelled_runs, options, poses, scenes
+from tests.strategies import Scene, all_options, labelled_runs, poses, scenes
 
 pytestmark = pytest.mark.databases("sqlite", "postgres")
 
@@ -70,7 +70,7 @@ class Shell(RuleBasedStateMachine):
         session.sent.append(document)
         session.replies.append(reply.content)
 
-    @initialize(scene=scenes(), chosen=options)
+    @initialize(scene=scenes(), chosen=all_options)
     def begin(self, scene: Scene, chosen: MappingOptions) -> None:
         body = {
             "world": world_json(scene.world),
@@ -82,12 +82,12 @@ class Shell(RuleBasedStateMachine):
         self.take(self.sessions[-1], at(*scene.walk[0]))
 
     @precondition(lambda self: len(self.sessions) < 4)
-    @rule(scene=scenes(), chosen=options)
+    @rule(scene=scenes(), chosen=all_options)
     def begin_another(self, scene: Scene, chosen: MappingOptions) -> None:
         self.begin(scene, chosen)
 
     @precondition(lambda self: len(self.sessions) < 4)
-    @rule(chosen=options)
+    @rule(chosen=all_options)
     def begin_without_world(self, chosen: MappingOptions) -> None:
         body = {"mapping": options_json(chosen)}
         self.sessions.append(Session(self.server.create(**body), Twin(body)))

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from semtopo import MappingOptions, MapState, Sensor, World, WorldDocument, explore
+from semtopo.geometry import count_vertices
 from service.hot import HotSession
 from service.store import SessionRow
 from tests.service.twin import paper_steps, paper_world
@@ -23,9 +24,11 @@ def test_the_weight_of_a_map_follows_its_steps() -> None:
     session = hot(world)
     for step in explore(world, Sensor(), positions):
         session = session.after(step.state, 1.0)
-    zones = session.state.metric.zones.values()
-    points = sum(len(zone.border.xy) for zone in zones)
-    assert 20 * points < session.map_bytes < 60 * points + 2_000 * len(zones)
+    metric = session.state.metric
+    points = sum(len(zone.border.xy) for zone in metric.zones.values())
+    points += sum(count_vertices(door.region) for door in metric.doorways.values())
+    things = len(metric.zones) + len(metric.doorways)
+    assert 20 * points < session.map_bytes < 60 * points + 2_500 * things
     afresh = hot(world).after(session.state, 1.0)
     assert afresh.map_bytes == session.map_bytes
 

@@ -24,7 +24,7 @@ from tests.service.twin import (
     scan_step,
     untimed,
 )
-from tests.strategies import labelled_runs, options, poses
+from tests.strategies import all_options, labelled_runs, poses
 
 RECORDING = ROOT.parent / "shared" / "data" / "freiburg079" / "scans.jsonl.gz"
 REAL_STEPS = 60
@@ -85,7 +85,7 @@ def test_unknown_between_links_no_neighbours(server: Server) -> None:
     max_examples=40, deadline=None, suppress_health_check=[HealthCheck.function_scoped_fixture]
 )
 @given(
-    steps=st.lists(st.tuples(poses, labelled_runs()), min_size=1, max_size=4), chosen=options
+    steps=st.lists(st.tuples(poses, labelled_runs()), min_size=1, max_size=4), chosen=all_options
 )  # fmt: skip
 def test_drawn_scans(
     server: Server, steps: list[tuple[Pose, LabelledRuns]], chosen: MappingOptions

@@ -8,6 +8,7 @@ from dataclasses import replace
 from functools import cache
 from itertools import pairwise
 from pathlib import Path
+from unittest.mock import patch
 
 import pytest
 import shapely
@@ -16,19 +17,31 @@ from sqlalchemy import Connection, delete, event, func, insert, select, update
 from sqlalchemy.exc import IntegrityError
 
 from semtopo.codec import graph_body, to_json, zones_body
+from semtopo.doorways import Doorways
 from semtopo.mapper import MapState, explore
 from semtopo.types import MappingOptions
 from service import store
 from service.database import Database, open_database
 from service.keys import add_key
 from service.store import CHECKPOINT_EVERY, LoggedStep, NewSession, SessionRow
-from service.tables import metadata, passages, sessions, steps, zone_versions, zones
+from service.tables import (
+    doorway_versions,
+    doorways,
+    metadata,
+    passages,
+    sessions,
+    steps,
+    zone_versions,
+    zones,
+)
 from tests.service.twin import Twin, paper_steps, paper_world
-from tests.strategies import Scene, options, scenes
+from tests.strategies import Scene, all_options, options, scenes
 
 pytestmark = pytest.mark.databases("sqlite", "postgres")
 
 STEPS = 140  # beyond two checkpoints
+
+CHECKPOINTS = "service.store.maps.CHECKPOINT_EVERY"
 
 
 @pytest.fixture(scope="module")
@@ -68,7 +81,9 @@ def logged_as(after: MapState) -> LoggedStep:
     assert after.position is not None
     x, y = after.position
     given = to_json({"pose": {"x": x, "y": y}}).decode()
-    return replace(logged(after.seq), input=given, answer=to_json({"here": after.here}).decode())
+    here = None if after.here is None else after.metric.zones[after.here].label
+    answer = to_json({"here": here, "zone_id": after.here}).decode()
+    return replace(logged(after.seq), input=given, answer=answer)
 
 
 def saved(
@@ -102,8 +117,19 @@ def assert_same(found: MapState, wanted: MapState) -> None:
         assert one.border.occupancy.tolist() == other.border.occupancy.tolist()
     assert list(found.graph.nodes.items()) == list(wanted.graph.nodes.items())
     assert list(found.graph.passages.items()) == list(wanted.graph.passages.items())
+    assert found.graph.gone == wanted.graph.gone
+    assert_same_doorways(found.metric.doorways, wanted.metric.doorways)
+    assert found.metric.former == wanted.metric.former
     assert zones_body(found) == zones_body(wanted)
     assert graph_body(found.graph, found.seq) == graph_body(wanted.graph, wanted.seq)
+
+
+def assert_same_doorways(found: Doorways, wanted: Doorways) -> None:
+    assert list(found) == list(wanted)
+    assert found.former == wanted.former
+    for one, other in zip(found.values(), wanted.values(), strict=True):
+        assert (one.key, one.since, one.seq) == (other.key, other.since, other.seq)
+        assert shapely.to_wkb(one.region) == shapely.to_wkb(other.region)
 
 
 def test_an_empty_map_comes_back(connection: Connection) -> None:
@@ -144,6 +170,24 @@ def test_any_map_comes_back(database: Database, scene: Scene, chosen: MappingOpt
     with database.writer.connect() as connection:
         row = saved(connection, states)
         assert_same(store.load_state(connection, row), states[-1])
+        connection.rollback()
+
+
+@settings(
+    max_examples=40, deadline=None, suppress_health_check=[HealthCheck.function_scoped_fixture]
+)
+@given(scene=scenes(walk=7), chosen=all_options)
+def test_any_map_comes_back_as_it_was_at_checkpoints(
+    database: Database, scene: Scene, chosen: MappingOptions
+) -> None:
+    taken = explore(scene.world, scene.sensor, scene.walk, chosen)
+    states = (MapState(), *(step.state for step in taken))
+    with database.writer.connect() as connection, patch(CHECKPOINTS, 2):
+        row = saved(connection, states)
+        assert_same(store.load_state(connection, row), states[-1])
+        for state in states:
+            found = store.load_checkpoint(connection, row.number, state.seq)
+            assert_same(found, states[state.seq - state.seq % 2])
         connection.rollback()
 
 
@@ -258,7 +302,17 @@ ZONE = {
     "zone_id": "z", "position": 90, "label": "z", "since": 1, "seq": 1, "region": b"",
     "border": b"",
 }  # fmt: skip
-EDGE = {"source": "corridor", "target": "C", "position": 90, "x": 0.0, "y": 0.0, "seq": 1}
+EDGE = {
+    "source": "corridor", "target": "C", "number": 0, "position": 90, "x": 0.0, "y": 0.0,
+    "seq": 1, "moved": 0,
+}  # fmt: skip
+DOOR = {
+    "one": "A", "other": "corridor", "number": 1, "position": 90, "since": 1, "seq": 1,
+    "region": b"",
+}  # fmt: skip
+DOOR_VERSION = {
+    "one": "A", "other": "corridor", "number": 0, "checkpoint": 64, "seq": 1, "region": b"",
+}  # fmt: skip
 VERSION = {"zone_id": "A", "checkpoint": 64, "seq": 1, "region": b"", "border": b""}
 STEP = {"seq": 99, "taken_at": "", "key": None, "fingerprint": b"", "input": "", "answer": ""}
 SESSION = {
@@ -284,6 +338,14 @@ SESSION = {
         ("passages", EDGE | {"source": "nowhere"}),
         ("passages", EDGE | {"session": 10**6}),
         ("passages", EDGE | {"x": None}),
+        ("doorways", DOOR | {"number": 0}),
+        ("doorways", DOOR | {"position": 0}),
+        ("doorways", DOOR | {"one": "nowhere"}),
+        ("doorways", DOOR | {"other": "nowhere"}),
+        ("doorways", DOOR | {"since": 2}),
+        ("doorways", DOOR | {"region": None}),
+        ("doorway_versions", DOOR_VERSION | {"number": 7}),
+        ("doorway_versions", DOOR_VERSION | {"session": 10**6}),
         ("zone_versions", VERSION | {"zone_id": "nowhere"}),
         ("zone_versions", VERSION | {"session": 10**6}),
         ("steps", STEP | {"seq": 1}),
@@ -306,7 +368,10 @@ def test_the_schema_refuses(connection: Connection, table: str, row: dict[str, o
 
 def test_the_schema_takes_what_is_possible(connection: Connection) -> None:
     number = saved(connection, long_run()[:30]).number
-    rows = {zones: ZONE, passages: EDGE, zone_versions: VERSION, steps: STEP}
+    rows = {
+        zones: ZONE, passages: EDGE, zone_versions: VERSION, steps: STEP, doorways: DOOR,
+        doorway_versions: DOOR_VERSION,
+    }  # fmt: skip
     for table, row in rows.items():
         connection.execute(insert(table).values(session=number, **row))
     connection.execute(insert(sessions).values(**SESSION))

@@ -67,7 +67,9 @@ def sensor_json(sensor: Sensor) -> Json:
 
 def options_json(options: MappingOptions) -> Json:
     """Return mapping options as their document."""
-    return {"edges": str(options.edges), "min_zone_area": options.min_zone_area}
+    words = ("edges", "passages", "identity")
+    chosen: Json = {name: str(getattr(options, name)) for name in words}
+    return {**chosen, "min_zone_area": options.min_zone_area}
 
 
 def scan_json(seen: LabelledRuns) -> Json:
