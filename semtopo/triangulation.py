@@ -28,14 +28,13 @@ STRAIGHT = 1e-12
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Triangulation:
-    """Triangles of a region, as half-edges; x and y of its vertices in m, map frame.
+    """Triangles of a region, as half-edges; its vertices are `points` in m, map frame.
 
     `corners` says of each vertex whether a shortest path may bend there: the region's angle at it
     is above 180 degrees. `parts` says of each triangle to which part of the region it belongs.
     """
 
-    xs: list[float]
-    ys: list[float]
+    points: list[Point]
     origins: list[int]
     following: list[int]
     preceding: list[int]
@@ -62,7 +61,7 @@ def triangulate(region: Region) -> Triangulation:
     following = np.arange(count).reshape(-1, 3)[:, [1, 2, 0]].reshape(-1)
     twins = _twins(origins, origins[following], len(points))
     return Triangulation(
-        points[:, 0].tolist(), points[:, 1].tolist(), origins.tolist(), following.tolist(),
+        list(zip(*points.T.tolist(), strict=True)), origins.tolist(), following.tolist(),
         np.arange(count).reshape(-1, 3)[:, [2, 0, 1]].reshape(-1).tolist(), twins.tolist(),
         _bends(points, origins, following, twins).tolist(), parts, _side_lines(corners),
     )  # fmt: skip

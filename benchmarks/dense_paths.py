@@ -1,0 +1,225 @@
+"""Time dense paths beside two peers, and count the random queries whose path is proved.
+
+    python -m benchmarks.dense_paths [--peers FOLDER] [--queries N]
+
+The peers are no dependency; without them only our own times are given. They go into a folder of
+their own, as one of them brings a package `tests` that would hide ours:
+
+    pip install --target FOLDER --no-deps extremitypathfinder pyvisgraph tqdm
+
+In each round a map has changed: everything is built anew, and one query is answered. Lengths are
+compared: who is fast and wrong does not count.
+"""
+
+from __future__ import annotations
+
+import argparse
+import importlib.util
+import math
+import statistics
+import sys
+import time
+from collections import Counter
+from collections.abc import Callable, Iterator
+from dataclasses import dataclass
+from functools import partial
+from pathlib import Path
+from random import Random
+from typing import TypeAlias
+
+import shapely
+from shapely import LineString, Polygon
+
+from semtopo.errors import NotConnectedError, OutsideError, TooNarrowError
+from semtopo.freespace import FreeSpace
+from semtopo.geometry import Region
+from semtopo.types import Point
+from tests.regions import DRAWS, place
+
+SIZE = 10.0
+"""m; the side of the square that all is in."""
+
+START, GOAL = (0.05, 0.05), (SIZE - 0.05, SIZE - 0.05)
+
+Ring: TypeAlias = list[Point]
+Table: TypeAlias = tuple[str, list[dict[str, str]]]
+"""A title, and rows: column name to cell."""
+
+
+@dataclass(frozen=True, slots=True)
+class Field:
+    """A square with star-shaped holes that do not touch."""
+
+    square: Ring
+    holes: list[Ring]
+
+    @property
+    def vertices(self) -> int:
+        """How many vertices it has."""
+        return len(self.square) + sum(map(len, self.holes))
+
+    @property
+    def region(self) -> Region:
+        """The same as a polygon; a new one each time, as after a change."""
+        return Polygon(self.square, self.holes)
+
+
+def field(vertices: int, seed: int = 0) -> Field:
+    """Return a field of about so many vertices, in holes of ten."""
+    random, count = Random(seed), vertices // 10
+    columns = math.ceil(math.sqrt(count))
+    cell = SIZE / columns
+    holes = []
+    for number in range(count):
+        x, y = (number % columns + 0.5) * cell, (number // columns + 0.5) * cell
+        turn = random.random()
+        radii = [cell * (0.45 if tip % 2 else 0.2) for tip in range(10)]
+        angles = [2 * math.pi * (tip + turn) / 10 for tip in range(10)]
+        holes.append([
+            (x + radius * math.cos(angle), y + radius * math.sin(angle))
+            for radius, angle in zip(radii, angles, strict=True)
+        ])  # fmt: skip
+    return Field([(0, 0), (SIZE, 0), (SIZE, SIZE), (0, SIZE)], holes)
+
+
+def ours(world: Field, radius: float = 0.0) -> float:
+    """Build and ask once; return the length."""
+    return FreeSpace(world.region, radius).distance(START, GOAL)
+
+
+def extremitypathfinder(world: Field) -> float:
+    """Build and ask extremitypathfinder once; return the length."""
+    from extremitypathfinder import PolygonEnvironment  # noqa: PLC0415 -- may not be installed
+
+    environment = PolygonEnvironment()
+    environment.store(world.square, [hole[::-1] for hole in world.holes])
+    return float(environment.find_shortest_path(START, GOAL)[1])
+
+
+def pyvisgraph(world: Field) -> float:
+    """Build and ask pyvisgraph once; return the length."""
+    from pyvisgraph import Point as Vertex  # noqa: PLC0415 -- may not be installed
+    from pyvisgraph import VisGraph  # noqa: PLC0415
+
+    graph = VisGraph()
+    graph.build([[Vertex(x, y) for x, y in hole] for hole in world.holes], workers=1, status=False)
+    path = graph.shortest_path(Vertex(*START), Vertex(*GOAL))
+    return LineString([(one.x, one.y) for one in path]).length
+
+
+PEERS: dict[str, Callable[[Field], float]] = {
+    "extremitypathfinder": extremitypathfinder,
+    "pyvisgraph": pyvisgraph,
+}
+
+
+def timed(work: Callable[[Field], float], world: Field, rounds: int) -> tuple[float, float]:
+    """Return the median CPU time of some rounds in ms, and the length found; none uses threads."""
+    times, length = [], 0.0
+    for _ in range(rounds):
+        begun = time.process_time()
+        length = work(world)
+        times.append(1000 * (time.process_time() - begun))
+    return statistics.median(times), length
+
+
+def peers_table(vertices: int) -> Table:
+    """Compare one query after a change with each peer that is there."""
+    world = field(vertices)
+    own, length = timed(ours, world, 15)
+    rows = [{"who": "semtopo", "ms": f"{own:.1f}", "times ours": "1", "length m": f"{length:.6f}"}]
+    for name, work in PEERS.items():
+        if importlib.util.find_spec(name) is None:
+            rows.append({"who": name, "ms": "not installed", "times ours": "", "length m": ""})
+            continue
+        took, found = timed(work, world, 3)
+        rows.append({
+            "who": name, "ms": f"{took:.1f}", "times ours": f"{took / own:.0f}",
+            "length m": f"{found:.6f}",
+        })  # fmt: skip
+    return (f"path after a change, {world.vertices} vertices, radius 0", rows)
+
+
+def _again(space: FreeSpace, _world: Field) -> float:
+    return space.distance(START, GOAL)
+
+
+def growth_table() -> Table:
+    """Time the first query after a change, and a later one, as regions grow."""
+    rows = []
+    for vertices, radius in [(n, r) for n in (100, 500, 2000, 8000, 20000) for r in (0.0, 0.02)]:
+        world = field(vertices)
+        first, _ = timed(partial(ours, radius=radius), world, 3)
+        space = FreeSpace(world.region, radius)
+        space.distance(START, GOAL)
+        later, _ = timed(partial(_again, space), world, 5)
+        rows.append({
+            "vertices": str(world.vertices), "radius m": f"{radius:g}",
+            "after a change ms": f"{first:.1f}", "later ms": f"{later:.1f}",
+        })  # fmt: skip
+    return ("time as regions grow, corner to corner", rows)
+
+
+def proof_table(queries: int) -> Table:
+    """Ask random queries in hard regions, and check each path anew, outside of the library."""
+    rows = []
+    for draw in DRAWS:
+        counts: Counter[str] = Counter()
+        share = math.ceil(queries / len(DRAWS))
+        for result in _walks(draw, share):
+            counts[result] += 1
+        rows.append({
+            "regions": draw.__name__, "queries": str(counts.total()), "paths": str(counts["path"]),
+            "outside free space": str(counts["outside"]),
+            "refused": str(counts["refused"]),
+        })  # fmt: skip
+    return ("random queries, radius 0 to 0.3 m", rows)
+
+
+def _walks(draw: Callable[[Random], Region], count: int) -> Iterator[str]:
+    for seed in range(math.ceil(count / 20)):
+        random = Random(seed)
+        region = draw(random)
+        for radius in (0.0, random.choice([0.02, 0.1, 0.3])):
+            space = FreeSpace(region, radius)
+            for _ in range(10):
+                yield _walk(space, place(random, region), place(random, region))
+
+
+def _walk(space: FreeSpace, start: Point, goal: Point) -> str:
+    """Ask from the places nearest to two, and say how it ended."""
+    begin, end = space.nearest_place(start) or start, space.nearest_place(goal) or goal
+    try:
+        path = space.path(begin, end)
+    except (NotConnectedError, OutsideError, TooNarrowError):
+        return "refused"
+    line = LineString(path.points)
+    clear = line.distance(shapely.boundary(space.region)) >= space.radius
+    return "path" if clear and space.region.covers(line) else "outside"
+
+
+def tables(queries: int = 10_000) -> Iterator[Table]:
+    """Yield each table as soon as it is there."""
+    for vertices in (100, 500):
+        yield peers_table(vertices)
+    yield growth_table()
+    yield proof_table(queries)
+
+
+def main() -> None:
+    """Print the tables."""
+    parser = argparse.ArgumentParser()
+    parser.add_argument("--peers", type=Path)
+    parser.add_argument("--queries", type=int, default=10_000)
+    options = parser.parse_args()
+    if options.peers:
+        sys.path.append(str(options.peers))
+    for title, rows in tables(options.queries):
+        print(f"\n{title}")
+        print(" | ".join(rows[0]))
+        for row in rows:
+            print(" | ".join(row.values()))
+
+
+if __name__ == "__main__":
+    main()
