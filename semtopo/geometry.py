@@ -28,6 +28,11 @@ TOUCH = 1e-9
 """m; places no further apart are one: far above what rounding does, far below any wall."""
 
 
+GAP = 4e-7
+"""m; so near to each other two regions meet: far below what a sensor can tell, and so small that a
+mitre of it (5 times half of it, at most) stays within 1 um."""
+
+
 def polygonal(geometry: BaseGeometry) -> Region:
     """Return the area of a geometry, without stray lines and points."""
     if isinstance(geometry, Polygon | MultiPolygon):
@@ -41,6 +46,16 @@ def union(polygons: Polygons) -> Region:
     if len(polygons) == 1:
         return polygonal(polygons[0])
     return polygonal(shapely.union_all(polygons))
+
+
+def joined(polygons: Polygons) -> Region:
+    """Return the union of at least one polygon, gaps of less than GAP between them closed.
+
+    What was computed to touch may miss by rounding. No border moves farther than 1 um, and what is
+    wider apart stays apart.
+    """
+    grown = shapely.buffer(polygons, GAP / 2, join_style="mitre")
+    return polygonal(shapely.buffer(shapely.union_all(grown), -GAP / 2, join_style="mitre"))
 
 
 def fuse(region: Region, addition: Region) -> Region:

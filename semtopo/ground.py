@@ -19,7 +19,7 @@ from shapely import LineString
 from semtopo.doorways import Doorway
 from semtopo.errors import SemtopoError
 from semtopo.freespace import FreeSpace
-from semtopo.geometry import Region, nearest_point, union, widest_place
+from semtopo.geometry import Region, joined, nearest_point, widest_place
 from semtopo.metric import MappedZone, MetricMap
 from semtopo.types import Point
 
@@ -45,7 +45,7 @@ class Ground:
     def region(self) -> Region:
         """The zone and its doorways as one region."""
         parts = [self.zone, *(doorway.region for doorway in self.doorways)]
-        region = union(np.array(parts, dtype=np.object_))
+        region = joined(np.array(parts, dtype=np.object_))
         shapely.prepare(region)
         return region
 

@@ -23,7 +23,7 @@ from semtopo.errors import (
 )
 from semtopo.finder import SHARED_MAX, Finder
 from semtopo.freespace import FreeSpace, Path
-from semtopo.geometry import union
+from semtopo.geometry import joined
 from semtopo.ground import ground_of
 from semtopo.journey import Place, Route, RouteRequest
 from semtopo.network import CostModel
@@ -87,5 +87,5 @@ def _path(atlas: Atlas, route: Route, radius: float) -> Path:
     regions = [metric.zones[zone_id].region for zone_id in dict.fromkeys(route.zones)]
     for one, other in dict.fromkeys(pairwise(route.zones)):
         regions += [doorway.region for doorway in metric.doorways.between(one, other)]
-    space = FreeSpace(union(np.array(regions, dtype=np.object_)), radius)
+    space = FreeSpace(joined(np.array(regions, dtype=np.object_)), radius)
     return space.path(route.points[0], route.points[-1])

@@ -90,3 +90,28 @@ def test_vertices_are_recognised_to_the_last_bit() -> None:
 
 def test_no_points_are_no_vertices() -> None:
     assert geometry.vertex_flags(np.empty((0, 2)), UNIT).tolist() == []
+
+
+@pytest.mark.parametrize("gap", [0.0, 1e-9, 0.9 * geometry.GAP])
+def test_joined_closes_gaps_that_rounding_left(gap: float) -> None:
+    doorway = box(1 + gap, 0.2, 2, 0.8)
+    region = geometry.joined(polygons(UNIT, doorway))
+    assert isinstance(region, Polygon)
+    assert region.area == pytest.approx(1.6, abs=1e-9)
+    assert region.buffer(1e-12).covers(UNIT.union(doorway))
+
+
+def test_joined_leaves_walls_where_they_are() -> None:
+    apart = polygons(UNIT, box(1 + 1.1 * geometry.GAP, 0.2, 2, 0.8))
+    assert isinstance(geometry.joined(apart), MultiPolygon)
+    needle = Polygon([(0, 0), (3, 0), (0, 1e-5)])
+    ring = polygons(RING, FAR, needle)
+    assert shapely.hausdorff_distance(geometry.joined(ring), geometry.union(ring)) <= 1e-6
+
+
+def test_the_widest_place_is_in_the_middle_of_the_widest_part() -> None:
+    x, y = geometry.widest_place(MultiPolygon([UNIT, box(5, 0, 9, 4)]))
+    assert (x, y) == pytest.approx((7, 2), abs=0.05)
+    x, y = geometry.widest_place(RING)
+    assert RING.contains(shapely.Point(x, y))
+    assert RING.boundary.distance(shapely.Point(x, y)) == pytest.approx(0.5858, rel=0.02)
