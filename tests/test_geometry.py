@@ -18,10 +18,10 @@ Join: TypeAlias = Callable[[geometry.Polygons], geometry.Region]
 
 UNIT = box(0, 0, 1, 1)
 FAR = box(5, 0, 6, 1)
-RING = box(0, 0, 4, 4).difference(box(1, 1, 3, 3))
+RING = geometry.polygonal(box(0, 0, 4, 4).difference(box(1, 1, 3, 3)))
 
 
-def polygons(*parts: Polygon) -> geometry.Polygons:
+def polygons(*parts: geometry.Region) -> geometry.Polygons:
     return np.array(parts, dtype=np.object_)
 
 
