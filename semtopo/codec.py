@@ -17,7 +17,7 @@ from shapely import Polygon
 
 from semtopo.answers import Answer
 from semtopo.errors import InvalidMapError
-from semtopo.geometry import Region
+from semtopo.geometry import Box, Region
 from semtopo.graph import (
     Event,
     Node,
@@ -35,9 +35,6 @@ from semtopo.zones import Border
 
 Document: TypeAlias = dict[str, Any]
 """What orjson can write: a JSON object, numpy arrays among it."""
-
-Box: TypeAlias = tuple[float, float, float, float]
-"""Least x and y, greatest x and y, in m."""
 
 
 def to_json(document: Document) -> bytes:

@@ -14,11 +14,14 @@ from numpy.typing import NDArray
 from shapely import MultiPolygon, Polygon
 from shapely.geometry.base import BaseGeometry
 
-from semtopo.types import Flags, Floats, Point
+from semtopo.types import Flags, Floats, Integers, Point
 
 Region: TypeAlias = Polygon | MultiPolygon
 Polygons: TypeAlias = NDArray[np.object_]
 """An array (n,) of shapely Polygons."""
+
+Box: TypeAlias = tuple[float, float, float, float]
+"""Least x and y, greatest x and y, in m."""
 
 NO_AREA = 1e-9
 """m^2; a square of 0.03 mm: what remains when a strip collapses to a line, not a place."""
@@ -56,12 +59,6 @@ def joined(polygons: Polygons) -> Region:
     """
     grown = shapely.buffer(polygons, GAP / 2, join_style="mitre")
     return polygonal(shapely.buffer(shapely.union_all(grown), -GAP / 2, join_style="mitre"))
-
-
-def fuse(region: Region, addition: Region) -> Region:
-    """Return the union of two regions, or the first itself where the second adds no area (R12)."""
-    fused = polygonal(shapely.union(region, addition))
-    return fused if fused.area - region.area > NO_AREA else region
 
 
 def groups_touching(probes: Polygons, others: Polygons | None = None) -> list[list[int]]:
@@ -108,9 +105,29 @@ def count_vertices(region: Region) -> int:
     return int(shapely.get_num_coordinates(region))
 
 
-def vertex_flags(points: Floats, region: Region) -> Flags:
-    """Say of each of (n, 2) points whether it is, to the last bit, a vertex of a region."""
-    return np.isin(as_complex(points), as_complex(shapely.get_coordinates(region)))
+class Vertices:
+    """Places that can be found again, to the last bit: `xy` (n, 2) in m, each once."""
+
+    def __init__(self, xy: Floats) -> None:
+        """Sort the places by a key of their own."""
+        keys = _keys(xy)
+        self._keys, first = np.unique(keys, return_index=True)
+        self.xy: Floats = xy[first]
+
+    def find(self, points: Floats) -> tuple[Flags, Integers]:
+        """Say of each of (n, 2) points whether it is one of the places, and which."""
+        place = np.searchsorted(self._keys, _keys(points))
+        if len(self._keys) == 0:
+            return np.zeros(len(points), dtype=np.bool_), place
+        place[place == len(self._keys)] = 0
+        same = self.xy[place] == points
+        return same[:, 0] & same[:, 1], place
+
+
+def _keys(xy: Floats) -> NDArray[np.uint64]:
+    """Return a number for each of (n, 2) points; two points share one by a chance of 2**-64."""
+    bits = np.ascontiguousarray(xy + 0.0).view(np.uint64)  # + 0.0: zero has one sign
+    return bits[:, 0] * np.uint64(0x9E3779B97F4A7C15) + bits[:, 1]
 
 
 def as_complex(points: Floats) -> np.ndarray[tuple[int], np.dtype[np.complex128]]:

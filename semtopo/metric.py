@@ -11,7 +11,8 @@ from dataclasses import dataclass, field, replace
 from types import MappingProxyType
 
 from semtopo.doorways import Doorways
-from semtopo.geometry import Region, fuse
+from semtopo.fusion import box_around, fuse
+from semtopo.geometry import Region
 from semtopo.types import SeenName
 from semtopo.zones import Border, SensorMap, Zone
 
@@ -93,5 +94,5 @@ def _grown(known: MappedZone, seen: Zone | MappedZone, seq: int) -> MappedZone:
     region = fuse(known.region, seen.region)
     if region is known.region:
         return known
-    border = known.border.joined(seen.border).on(region)
+    border = known.border.updated(seen.border, region, box_around(seen.region))
     return replace(known, region=region, border=border, seq=seq)

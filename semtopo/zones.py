@@ -17,13 +17,15 @@ import numpy as np
 import shapely
 
 from semtopo.doorways import SeenDoorways, seen_doorways
+from semtopo.fusion import within
 from semtopo.geometry import (
+    Box,
     Polygons,
     Region,
+    Vertices,
     apart,
     nearest_point,
     union,
-    vertex_flags,
 )
 from semtopo.scan import Scan
 from semtopo.strips import Strips, find_strips
@@ -51,19 +53,31 @@ class Border:
     xy: Floats
     occupancy: Bytes
 
-    def joined(self, other: Border) -> Border:
-        """Return the points of both; of two claims on one place the greater occupancy holds."""
-        xy = np.concatenate([self.xy, other.xy])
-        occupancy = np.concatenate([self.occupancy, other.occupancy])
-        order = np.lexsort((-occupancy.astype(np.int8), xy[:, 1], xy[:, 0]))
-        xy, occupancy = xy[order], occupancy[order]
-        first = np.ones(len(xy), dtype=np.bool_)
-        first[1:] = (xy[1:] != xy[:-1]).any(axis=1)
-        return Border(xy[first], occupancy[first])
+    def updated(self, other: Border, region: Region, box: Box) -> Border:
+        """Return the points of both that are vertices of a region.
+
+        All of the other's lie in the box, and outside of it all of one's own are vertices still. Of
+        two claims on one place the greater occupancy holds.
+        """
+        inside = within(self.xy, box)
+        vertices = shapely.get_coordinates(region)
+        corners = Vertices(vertices[within(vertices, box)])
+        claims = np.zeros(len(corners.xy), dtype=np.uint8)
+        for xy, occupancy in (
+            (self.xy[inside], self.occupancy[inside]),
+            (other.xy, other.occupancy),
+        ):
+            found, place = corners.find(xy)
+            np.maximum.at(claims, place[found], occupancy[found])
+        claimed = claims > Occupancy.NONE
+        return Border(
+            np.concatenate([self.xy[~inside], corners.xy[claimed]]),
+            np.concatenate([self.occupancy[~inside], claims[claimed]]),
+        )
 
     def on(self, region: Region) -> Border:
         """Return the points that are vertices of a region."""
-        kept = vertex_flags(self.xy, region)
+        kept, _ = Vertices(shapely.get_coordinates(region)).find(self.xy)
         return Border(self.xy[kept], self.occupancy[kept])
 
 

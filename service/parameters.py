@@ -11,8 +11,8 @@ from typing import Annotated
 
 from fastapi import Header, Path, Query, Request
 
-from semtopo.codec import Box
 from semtopo.documents import COORDINATE_MAX, LABEL_LENGTH_MAX
+from semtopo.geometry import Box
 from service.errors import InvalidRequestError
 from service.feed import Feeds
 from service.maps import Maps

@@ -16,7 +16,7 @@ ROOT = Path(__file__).parents[1]
 
 LAYERS = [
     {"errors"}, {"types"}, {"geometry", "window"},
-    {"inset", "triangulation", "world"}, {"taut"}, {"bottleneck"}, {"freespace"},
+    {"fusion", "inset", "triangulation", "world"}, {"taut"}, {"bottleneck"}, {"freespace"},
     {"sensor"}, {"scan"}, {"runs", "strips"}, {"doorways"}, {"zones"}, {"metric"}, {"placement"},
     {"borders", "graph"}, {"findings"}, {"mapper"},
     {"atlas", "expectations", "grammar", "likeness", "questions"},

@@ -196,7 +196,9 @@ def test_far_room_has_passage_and_wall_points() -> None:
 def test_of_two_claims_on_one_place_the_greater_holds() -> None:
     free = Border(np.array([(1.0, 2.0), (0.0, 0.0)]), np.array([1, 1], dtype=np.uint8))
     wall = Border(np.array([(1.0, 2.0), (1.0, 3.0)]), np.array([3, 2], dtype=np.uint8))
-    for joined in (free.joined(wall), wall.joined(free)):
+    region = shapely.Polygon([(0, 0), (1, 2), (1, 3)])
+    for one, other in ((free, wall), (wall, free)):
+        joined = one.updated(other, region, (-1, -1, 4, 4))
         claims = dict(zip(map(tuple, joined.xy.tolist()), joined.occupancy.tolist(), strict=True))
         assert claims == {(0.0, 0.0): 1, (1.0, 2.0): 3, (1.0, 3.0): 2}
         assert len(joined.xy) == 3
