@@ -84,7 +84,7 @@ def fuse(region: Region, addition: Region) -> Region:
     if shapely.get_num_coordinates(region) > FEW_VERTICES:
         try:
             return _fused_within(region, addition, box_around(addition))
-        except _UnclearError:
+        except (_UnclearError, shapely.GEOSException):  # a cut may be no valid polygon
             pass
     fused = polygonal(shapely.union(region, addition))
     return fused if fused.area - region.area > NO_AREA else region

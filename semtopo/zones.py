@@ -219,8 +219,12 @@ def _border(strips: Strips, chosen: Integers) -> Border:
     spans = strips.scan.intervals
     joined = np.zeros(len(spans), dtype=np.bool_)
     joined[strips.left[chosen]] = joined[strips.right[chosen]] = True
-    xy = np.concatenate([strips.near[joined], strips.far[joined]])
-    occupancy = np.concatenate([spans.near_occupancy[joined], spans.far_occupancy[joined]])
+    extended = joined & (spans.near < spans.far)  # the others start where they end
+    point = joined & ~extended
+    claims = spans.far_occupancy.copy()
+    claims[point] = np.maximum(claims[point], spans.near_occupancy[point])
+    xy = np.concatenate([strips.near[extended], strips.far[joined]])
+    occupancy = np.concatenate([spans.near_occupancy[extended], claims[joined]])
     kept = occupancy != Occupancy.NONE
     return Border(xy[kept], occupancy[kept])
 
