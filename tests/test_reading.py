@@ -16,27 +16,12 @@ from semtopo.phrases import capitalised, counted, listed, phrase, quoted
 from semtopo.questions import (
     AVOIDED_MAX,
     STOPS_MAX,
-    ChangesQuestion,
-    ClassesQuestion,
-    ConnectionQuestion,
-    DistanceQuestion,
-    FrontiersQuestion,
-    Here,
-    HereQuestion,
-    Leg,
-    LocationQuestion,
     Named,
-    Nearest,
-    NearestQuestion,
-    NeighboursQuestion,
     PathQuestion,
     Question,
-    ReachableQuestion,
-    ReachingQuestion,
-    SeenQuestion,
-    ZonesQuestion,
 )
 from semtopo.reading import bound, parse
+from tests.drawn_questions import questions_about
 from tests.sentences import REFUSED, UNDERSTOOD, path
 
 TEXT_MAX = 2_000
@@ -94,28 +79,8 @@ labels = st.text(
 """Labels as maps may have them, marks and words of the grammar among them."""
 
 words = st.sampled_from(sorted(reserved_words()))
-names = st.one_of(labels, words, st.lists(words, min_size=2, max_size=4).map(" ".join)).map(Named)
-places = st.one_of(names, st.just(Here()))
-goals = st.one_of(places, st.builds(Nearest, names))
-few_names = st.lists(names, max_size=3).map(tuple)
-legs = st.lists(st.builds(Leg, goals, few_names, few_names), min_size=1, max_size=4).map(tuple)
-steps = st.integers(0, 999_999_999)
-questions: st.SearchStrategy[Question] = st.one_of(
-    st.builds(PathQuestion, places, legs),
-    st.builds(ConnectionQuestion, places, legs),
-    st.builds(DistanceQuestion, places, goals),
-    st.builds(NearestQuestion, names, places),
-    st.builds(HereQuestion),
-    st.builds(LocationQuestion, names),
-    st.builds(NeighboursQuestion, places),
-    st.builds(ReachableQuestion, places),
-    st.builds(ReachingQuestion, places),
-    st.builds(SeenQuestion, steps),
-    st.builds(ChangesQuestion, steps, st.none() | steps),
-    st.builds(ZonesQuestion, st.none() | names),
-    st.builds(ClassesQuestion),
-    st.builds(FrontiersQuestion, places),
-)
+names = st.one_of(labels, words, st.lists(words, min_size=2, max_size=4).map(" ".join))
+questions = questions_about(names, st.integers(0, 999_999_999))
 
 
 @given(questions)

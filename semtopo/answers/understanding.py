@@ -3,7 +3,7 @@
 The grammar takes its own words first: "path from way to go to b" begins at `way`. Where the map
 knows a name that holds such words, as `way to go`, the sentence may also be read with this name as
 one. What names the map knows decides between the readings; where it knows those of several, the
-sentence is ambiguous, and nobody guesses.
+sentence is ambiguous, and nobody guesses. A bare `here` is always where the robot is.
 """
 
 from __future__ import annotations
@@ -82,9 +82,10 @@ def _spans(atlas: Atlas, text: str) -> Iterator[tuple[int, int]]:
 
 
 def _may_be_misread(name: str) -> bool:
-    """Say whether a name holds words or marks of the grammar."""
+    """Say whether a name holds words or marks of the grammar; a single word stands for itself."""
     words = name.casefold().replace(",", " ").split()
-    return not reserved_words().isdisjoint(words) or name.strip(_MARKS) != name or "," in name
+    has_words = len(words) > 1 and not reserved_words().isdisjoint(words)
+    return has_words or name.strip(_MARKS) != name or "," in name
 
 
 def _is_about(atlas: Atlas, part: object) -> bool:

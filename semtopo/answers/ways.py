@@ -87,11 +87,13 @@ def _routes(atlas: Atlas, start: Place, legs: Sequence[Leg]) -> Iterator[Route]:
 
 
 def _one_route(atlas: Atlas, start: Place, leg: Leg) -> Route:
+    avoided = frozenset(zone for name in leg.avoiding for zone in zones_of(atlas, name))
+    goals = goals_of(atlas, leg.goal)
     request = RouteRequest(
         start=start,
-        goals=goals_of(atlas, leg.goal),
+        goals=tuple(goal for goal in goals if goal.zone_id not in avoided) or goals,
         via=tuple(zone_of(atlas, name) for name in leg.via),
-        avoid_zones=frozenset(zone for name in leg.avoiding for zone in zones_of(atlas, name)),
+        avoid_zones=avoided,
     )
     try:
         return find_routes(atlas, request)[0]

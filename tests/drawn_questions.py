@@ -1,0 +1,54 @@
+"""Questions of every kind, drawn."""
+
+from __future__ import annotations
+
+from hypothesis import strategies as st
+
+from semtopo.questions import (
+    ChangesQuestion,
+    ClassesQuestion,
+    ConnectionQuestion,
+    DistanceQuestion,
+    FrontiersQuestion,
+    Here,
+    HereQuestion,
+    Leg,
+    LocationQuestion,
+    Named,
+    Nearest,
+    NearestQuestion,
+    NeighboursQuestion,
+    PathQuestion,
+    Question,
+    ReachableQuestion,
+    ReachingQuestion,
+    SeenQuestion,
+    ZonesQuestion,
+)
+
+
+def questions_about(
+    labels: st.SearchStrategy[str], steps: st.SearchStrategy[int]
+) -> st.SearchStrategy[Question]:
+    """Draw questions of any kind, with names and steps from these."""
+    names = labels.map(Named)
+    places = st.one_of(names, st.just(Here()))
+    goals = st.one_of(places, st.builds(Nearest, names))
+    few_names = st.lists(names, max_size=3).map(tuple)
+    legs = st.lists(st.builds(Leg, goals, few_names, few_names), min_size=1, max_size=4).map(tuple)
+    return st.one_of(
+        st.builds(PathQuestion, places, legs),
+        st.builds(ConnectionQuestion, places, legs),
+        st.builds(DistanceQuestion, places, goals),
+        st.builds(NearestQuestion, names, places),
+        st.builds(HereQuestion),
+        st.builds(LocationQuestion, names),
+        st.builds(NeighboursQuestion, places),
+        st.builds(ReachableQuestion, places),
+        st.builds(ReachingQuestion, places),
+        st.builds(SeenQuestion, steps),
+        st.builds(ChangesQuestion, steps, st.none() | steps),
+        st.builds(ZonesQuestion, st.none() | names),
+        st.builds(ClassesQuestion),
+        st.builds(FrontiersQuestion, places),
+    )
