@@ -88,11 +88,6 @@ def closest_names(atlas: Atlas, name: str) -> tuple[str, ...]:
     return directory_of(atlas).likeness.closest(folded(name), NAMES_TOLD_MAX)
 
 
-def is_known(atlas: Atlas, name: str) -> bool:
-    """Say whether a name means anything, as it is or but for case."""
-    return any(tier.meanings(folded, name) for tier in directory_of(atlas).tiers)
-
-
 def folded(name: str) -> str:
     """Return a name in the form in which those are alike that differ in case alone."""
     return unicodedata.normalize("NFC", unicodedata.normalize("NFC", name).casefold())
@@ -142,6 +137,11 @@ class Directory:
             (of.zone_class, zone) for zone, of in noted if of.zone_class is not None
         )
         self.tiers = (self.ids, self.labels, self.aliases, self.classes)
+
+    @cached_property
+    def folded_names(self) -> frozenset[str]:
+        """All names, in the form in which case does not matter."""
+        return frozenset(folded(name) for tier in self.tiers for name in tier.zones)
 
     @cached_property
     def likeness(self) -> NameLikeness:

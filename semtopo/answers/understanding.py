@@ -9,26 +9,36 @@ sentence is ambiguous, and nobody guesses. A bare `here` is always where the rob
 from __future__ import annotations
 
 import re
-from collections.abc import Iterator
-from contextlib import suppress
-from dataclasses import fields, is_dataclass
-from itertools import islice
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass, fields, is_dataclass
 
 from semtopo.atlas import Atlas
 from semtopo.errors import AmbiguousQuestionError, InvalidQuestionError
 from semtopo.grammar import reserved_words
-from semtopo.names import is_known
+from semtopo.names import directory_of, folded
 from semtopo.phrases import listed, phrase
 from semtopo.questions import Named, Question
 from semtopo.reading import FINAL_MARKS, OPENING_MARKS, bound, parse
 
-_SPANS_MAX = 6
-"""Names with words of the grammar in one sentence that are tried; each costs a reading."""
+_READINGS_MAX = 6
+"""Names that are bound one by one in a sentence; each costs a reading."""
+
+_WORDS_READ_MAX = 1_500
+"""Words in all these readings of a sentence; so a long one has fewer."""
 
 _NAME_WORDS_MAX = 8
 """Longer names are read in quotation marks only, if they hold words of the grammar."""
 
 _MARKS = FINAL_MARKS + OPENING_MARKS + ","
+
+
+@dataclass(frozen=True, slots=True)
+class _Span:
+    """Where a known name stands in a sentence."""
+
+    start: int
+    stop: int
+    name: str
 
 
 def understand(atlas: Atlas, text: str) -> Question:
@@ -41,61 +51,64 @@ def understand(atlas: Atlas, text: str) -> Question:
     AmbiguousQuestionError
         It asks different things, as it is read.
     """
-    readings: list[Question] = []
-    for said in _bound_in_turn(atlas, text):
-        with suppress(InvalidQuestionError):
-            question = parse(said)
-            if question not in readings and _is_about(atlas, question):
-                readings.append(question)
-    if len(readings) > 1:
-        meanings = tuple(map(phrase, readings))
+    names = directory_of(atlas).folded_names
+    as_it_is = _read(text)
+    spoken = {(it.position, folded(it.name)) for it in _named(as_it_is)}
+    spans = [it for it in _spans(text, names) if (it.start, it.name) not in spoken]
+    readings = [as_it_is, *map(_read, _bound_in_turn(text, spans))]
+    known = [it for it in readings if it and {folded(one.name) for one in _named(it)} <= names]
+    if any(other != known[0] for other in known):
+        meanings = tuple(dict.fromkeys(map(phrase, known)))
         message = f"This may mean {listed(meanings, 'or')}; put names in quotation marks."
         raise AmbiguousQuestionError(message, meanings)
-    return readings[0] if readings else parse(text)
+    return known[0] if known else parse(text)
 
 
-def _bound_in_turn(atlas: Atlas, text: str) -> Iterator[str]:
-    """Yield a sentence as it is, then with names in it bound that it may else be read through.
+def _read(text: str) -> Question | None:
+    """Return what a sentence asks, if anything."""
+    try:
+        return parse(text)
+    except InvalidQuestionError:
+        return None
 
-    First each alone, then all together, as far as they do not overlap.
-    """
-    yield text
-    spans = list(islice(_spans(atlas, text), _SPANS_MAX))
-    yield from (bound(text, *span) for span in spans)
+
+def _bound_in_turn(text: str, spans: Sequence[_Span]) -> Iterator[str]:
+    """Yield a sentence with some names bound: each alone, then all that do not overlap."""
+    few = min(_READINGS_MAX, _WORDS_READ_MAX // max(1, len(text.split())))
+    yield from (bound(text, span.start, span.stop) for span in spans[:few])
     if len(spans) > 1:
         end = 0
-        for start, stop in spans:
-            if start >= end:
-                text, end = bound(text, start, stop), stop
+        for span in spans:
+            if span.start >= end:
+                text, end = bound(text, span.start, span.stop), span.stop
         yield text
 
 
-def _spans(atlas: Atlas, text: str) -> Iterator[tuple[int, int]]:
+def _spans(text: str, names: frozenset[str]) -> Iterator[_Span]:
     """Yield where known names stand that may be misread, from left to right, the longest first."""
-    words = [(word.start(), word.end()) for word in re.finditer(r"\S+", text)]
-    for number, (start, _) in enumerate(words):
-        for _, stop in reversed(words[number : number + _NAME_WORDS_MAX]):
-            for end in sorted({stop, start + len(text[start:stop].rstrip(_MARKS))}, reverse=True):
-                said = " ".join(text[start:end].split())
-                if _may_be_misread(said) and is_known(atlas, said):
-                    yield start, end
+    words = list(re.finditer(r"\S+", text))
+    said = [folded(word[0]) for word in words]
+    for number, word in enumerate(words):
+        for stop in range(min(number + _NAME_WORDS_MAX, len(words)), number, -1):
+            whole = " ".join(said[number:stop])
+            for name in dict.fromkeys((whole, whole.rstrip(_MARKS))):
+                if name in names and _may_be_misread(name):
+                    marks = len(whole) - len(name)  # which folding leaves as they are
+                    yield _Span(word.start(), words[stop - 1].end() - marks, name)
 
 
 def _may_be_misread(name: str) -> bool:
     """Say whether a name holds words or marks of the grammar; a single word stands for itself."""
-    words = name.casefold().replace(",", " ").split()
+    words = name.replace(",", " ").split()
     has_words = len(words) > 1 and not reserved_words().isdisjoint(words)
     return has_words or name.strip(_MARKS) != name or "," in name
 
 
-def _is_about(atlas: Atlas, part: object) -> bool:
-    """Say whether the map knows all names in a question."""
-    match part:
-        case Named(name):
-            return is_known(atlas, name)
-        case tuple():
-            return all(_is_about(atlas, one) for one in part)
-        case _ if is_dataclass(part):
-            return all(_is_about(atlas, getattr(part, one.name)) for one in fields(part))
-        case _:
-            return True
+def _named(part: object) -> Iterator[Named]:
+    """Yield the names in a question."""
+    if isinstance(part, Named):
+        yield part
+    elif isinstance(part, tuple):
+        yield from (name for one in part for name in _named(one))
+    elif is_dataclass(part):
+        yield from (name for one in fields(part) for name in _named(getattr(part, one.name)))
