@@ -188,7 +188,7 @@ def test_no_text_takes_long_on_a_map_of_900_zones(frame: str) -> None:
     code_of(place, "go to nowhere")
     for unit in LARGE_HOSTILE:
         text = frame.format(unit * TEXT_MAX)[:TEXT_MAX]
-        assert min(seconds(place, text) for _ in range(2)) < SECONDS_MAX, text[:80]
+        assert is_quick(place, text), text[:80]
 
 
 pieces = st.sampled_from([
@@ -202,7 +202,11 @@ pieces = st.sampled_from([
 @given(st.lists(pieces, min_size=1, max_size=120).map("".join))
 @settings(max_examples=150)
 def test_no_drawn_text_takes_long(text: str) -> None:
-    assert min(seconds(grid(30), text[:TEXT_MAX]) for _ in range(2)) < SECONDS_MAX
+    assert is_quick(grid(30), text[:TEXT_MAX])
+
+
+def is_quick(place: Atlas, text: str) -> bool:
+    return seconds(place, text) < SECONDS_MAX or seconds(place, text) < SECONDS_MAX
 
 
 def seconds(place: Atlas, text: str) -> float:
