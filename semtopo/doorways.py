@@ -18,16 +18,16 @@ import shapely
 from semtopo.geometry import NO_AREA, Polygons, Region, union
 from semtopo.scan import Scan
 from semtopo.strips import Strips
-from semtopo.types import NOWHERE, Integers, SeenName
+from semtopo.types import NOWHERE, Flags, Floats, Integers, SeenName
 
 DOORWAY_OVERLAP = 0.05
 """m; so far a doorway reaches into the zones on both sides, where they are as deep. So its union
 with them is in one piece, in spite of rounding, of borders seen from elsewhere, and where the zones
 touch without a passage between (R5). What it reaches into was seen to be free, too."""
 
-DOORWAY_GAIN = 1e-3
-"""m^2, ten square centimetres: what a scan must add to a known doorway to change it. Each place
-sees slightly more of a jamb; without a limit, a doorway would change with every step."""
+DOORWAY_REACH = 0.03
+"""m; a piece changes a known doorway if a corner of it lies further out. From each place one sees
+slightly more of a jamb; without a limit, a doorway would change with every step."""
 
 Ends: TypeAlias = tuple[str, str]
 """The zone ids at both ends of a doorway, the lesser first."""
@@ -36,22 +36,27 @@ DoorwayKey: TypeAlias = tuple[str, str, int]
 """The zone ids at both ends, the lesser first, and which of the doorways between them, from 0."""
 
 
-NO_POLYGONS: Polygons = np.empty(0, dtype=np.object_)
+NO_PIECES: Floats = np.empty((0, 4, 2))
 
 
 @dataclass(frozen=True, slots=True, eq=False)
 class SeenDoorways:
     """Pieces of doorways that one scan shows between two zones, by their names in the scan.
 
-    `pieces` (n,) are the quadrilaterals between neighbouring beams that both went from `source`
-    through one passage, or directly, to `target`; `entered` (n,) are the strips of the target that
-    they entered there.
+    A piece is the quadrilateral between neighbouring beams that both went from `source` through one
+    passage, or directly, to `target`: `corners` (n, 4, 2) in m, map frame. `entered` (n,) are the
+    places, among the strips of the scan, of those that the beams entered there.
     """
 
     source: SeenName
     target: SeenName
-    pieces: Polygons
-    entered: Polygons
+    corners: Floats
+    entered: Integers
+    strips: Strips
+
+    def ground(self, chosen: Flags) -> Polygons:
+        """Return what the beams of the chosen pieces entered of the target."""
+        return self.strips.polygons(self.entered[chosen])
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -108,10 +113,11 @@ class Doorways(Mapping[DoorwayKey, Doorway]):
         return [self.known[key] for key in keys if key in self.known]
 
     def updated(
-        self, seen: Iterable[tuple[Ends, Polygons]], merges: Mapping[str, str], seq: int
+        self, seen: Iterable[tuple[Ends, Floats]], merges: Mapping[str, str], seq: int
     ) -> Doorways:
         """Return the doorways with pieces that a scan shows between zones of the map.
 
+        Of the pieces come the corners (n, 4, 2), and the zones on their sides, in either order.
         Zones are merged into others, from the first id to the second, and their doorways move over.
         What adds little changes nothing; where nothing changes, it is this very object.
         """
@@ -123,7 +129,7 @@ class Doorways(Mapping[DoorwayKey, Doorway]):
         former = dict(self.former)
         for ends in dict.fromkeys([*moving.values(), *fresh]):
             movers = [self.known[key] for key, new in moving.items() if new == ends]
-            _arrive(known, former, ends, movers, fresh.get(ends, NO_POLYGONS), seq)
+            _arrive(known, former, ends, movers, pieces_of(fresh.get(ends, NO_PIECES)), seq)
         changed = Doorways(known, former)
         return changed if moving or changed.changed_since(self) else self
 
@@ -150,33 +156,37 @@ def seen_doorways(strips: Strips, owner: Integers, names: Sequence[SeenName]) ->
         return []
     left, right, size = strips.left, strips.right, len(strips.scan.intervals)
     source, target = owner[left[entered] - 1], owner[left[entered]]
-    codes = left * size + right
-    known = np.isin(codes[entered] - size - 1, codes) & (source != NOWHERE) & (target != NOWHERE)
+    codes = left * size + right  # they ascend
+    before = codes[entered] - size - 1
+    known = codes[np.searchsorted(codes, before)] == before  # there is one that is not below
+    known &= (source != NOWHERE) & (target != NOWHERE)
     entered, pairs = entered[known], (target * len(names) + source)[known]
     if len(entered) == 0:
         return []
-    pieces = _pieces(strips.scan, left[entered], right[entered])
+    corners = _corners(strips.scan, left[entered], right[entered])
     return [
         SeenDoorways(
             names[pair % len(names)], names[pair // len(names)],
-            pieces[pairs == pair], strips.polygons(entered[pairs == pair]),
+            corners[pairs == pair], entered[pairs == pair], strips,
         )
-        for pair in np.unique(pairs).tolist()
+        for pair in sorted(set(pairs.tolist()))
     ]  # fmt: skip
 
 
-def _pieces(scan: Scan, left: Integers, right: Integers) -> Polygons:
-    """Return the quadrilaterals before intervals that are entered on neighbouring beams."""
+def pieces_of(corners: Floats) -> Polygons:
+    """Return the pieces with corners (n, 4, 2)."""
+    return np.asarray(shapely.polygons(corners), dtype=np.object_)
+
+
+def _corners(scan: Scan, left: Integers, right: Integers) -> Floats:
+    """Return the corners (n, 4, 2) of the pieces before intervals on neighbouring beams."""
     near, far = scan.intervals.near, scan.intervals.far
-    inner = np.maximum(far - DOORWAY_OVERLAP, near)
-    outer = np.minimum(near + DOORWAY_OVERLAP, far)
-    corners = [
-        scan.points(left - 1, inner[left - 1]),
-        scan.points(left, outer[left]),
-        scan.points(right, outer[right]),
-        scan.points(right - 1, inner[right - 1]),
-    ]
-    return np.asarray(shapely.polygons(np.stack(corners, axis=1)), dtype=np.object_)
+    places = np.concatenate([left - 1, left, right, right - 1])
+    outwards = np.repeat([False, True, True, False], len(left))
+    inner = np.maximum(far[places] - DOORWAY_OVERLAP, near[places])
+    outer = np.minimum(near[places] + DOORWAY_OVERLAP, far[places])
+    points = scan.points(places, np.where(outwards, outer, inner))
+    return points.reshape(4, -1, 2).swapaxes(0, 1)
 
 
 def ends_of(one: str, other: str) -> Ends:
@@ -184,9 +194,9 @@ def ends_of(one: str, other: str) -> Ends:
     return (one, other) if one <= other else (other, one)
 
 
-def _by_ends(seen: Iterable[tuple[Ends, Polygons]]) -> dict[Ends, Polygons]:
+def _by_ends(seen: Iterable[tuple[Ends, Floats]]) -> dict[Ends, Floats]:
     """Return pieces by the two zones that they lie between, whichever is the source."""
-    found: dict[Ends, list[Polygons]] = {}
+    found: dict[Ends, list[Floats]] = {}
     for (source, target), pieces in seen:
         found.setdefault(ends_of(source, target), []).append(pieces)
     return {
@@ -205,15 +215,17 @@ def _keys(
         number += 1
 
 
-def _fresh(pieces: Polygons, near: list[Doorway]) -> Polygons:
-    """Return the pieces that known doorways do not cover, if they add enough."""
+def _fresh(corners: Floats, near: list[Doorway]) -> Floats:
+    """Return the pieces, by their corners, that reach beyond each of some doorways."""
     for door in near:
-        pieces = pieces[~shapely.covers(door.region, pieces)]
-    if len(near) == 1 and len(pieces) > 0:
-        beyond = shapely.area(shapely.difference(pieces, near[0].region))
-        if beyond.sum() <= DOORWAY_GAIN and shapely.intersects(near[0].region, pieces).all():
-            return pieces[:0]
-    return pieces
+        xy = corners.reshape(-1, 2)
+        within = shapely.contains_xy(door.region, xy)
+        if not within.all():
+            within[~within] = shapely.dwithin(
+                door.region, shapely.points(xy[~within]), DOORWAY_REACH
+            )
+        corners = corners[~within.reshape(-1, 4).all(axis=1)]
+    return corners
 
 
 def _arrive(
@@ -253,7 +265,7 @@ def _settle(
         return made.key
     first, *others = touched
     region = union(np.array([it.region for it in (part, *touched)], dtype=np.object_))
-    if others or region.area - first.region.area > DOORWAY_GAIN:
+    if others or region.area - first.region.area > NO_AREA:
         known[first.key] = replace(first, region=region, seq=part.seq)
     for door in others:
         del known[door.key]

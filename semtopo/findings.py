@@ -12,7 +12,7 @@ from dataclasses import replace
 import numpy as np
 import shapely
 
-from semtopo.doorways import ends_of
+from semtopo.doorways import ends_of, pieces_of
 from semtopo.geometry import Polygons, nearest_point, union
 from semtopo.graph import (
     Event,
@@ -112,9 +112,9 @@ def _by_doorway(source: str, target: str, placed: Placement) -> dict[int, list[P
     for seen in placed.sensor_map.doorways:
         if (placed.names[seen.source], placed.names[seen.target]) == (source, target):
             for door in placed.metric.doorways.between(source, target):
-                crossed = shapely.intersects(door.region, seen.pieces)
+                crossed = shapely.intersects(door.region, pieces_of(seen.corners))
                 if crossed.any():
-                    entered.setdefault(door.number, []).append(seen.entered[crossed])
+                    entered.setdefault(door.number, []).append(seen.ground(crossed))
     return entered
 
 

@@ -71,7 +71,7 @@ class MetricMap:
             zone_id = names[seen.name]
             known = zones.get(zone_id)
             zones[zone_id] = _new(zone_id, seen, seq) if known is None else _grown(known, seen, seq)
-        between = [((names[it.source], names[it.target]), it.pieces) for it in sensor_map.doorways]
+        between = [((names[it.source], names[it.target]), it.corners) for it in sensor_map.doorways]
         doorways = self.doorways.updated(between, merges, seq)
         return MetricMap(zones, doorways, {**self.former, **merges} if merges else self.former)
 

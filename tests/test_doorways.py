@@ -10,13 +10,12 @@ import shapely
 from hypothesis import given
 from shapely import Polygon, box
 
-from semtopo.doorways import DOORWAY_GAIN, DOORWAY_OVERLAP, Doorways
-from semtopo.geometry import Polygons
+from semtopo.doorways import DOORWAY_OVERLAP, DOORWAY_REACH, Doorways, pieces_of
 from semtopo.mapper import MapState, explore, run, scan_world, step
 from semtopo.runs import LabelledRuns, from_runs
 from semtopo.scan import Scan
 from semtopo.sensor import Sensor
-from semtopo.types import Kind, MappingOptions, Pose
+from semtopo.types import Floats, Kind, MappingOptions, Pose
 from semtopo.zones import SensorMap, extract
 from tests.plans import THREE_IN_A_ROW, TWO_DOORS, TWO_ROOMS, drawn
 from tests.strategies import Scene, labelled_runs, many, options, patient, poses, quick, scenes
@@ -24,8 +23,9 @@ from tests.strategies import Scene, labelled_runs, many, options, patient, poses
 FINE = Sensor(beams=360, range=8.0, samples=80)
 
 
-def pieces(*parts: Polygon) -> Polygons:
-    return np.array(parts, dtype=np.object_)
+def pieces(*parts: Polygon) -> Floats:
+    """Return the corners of rectangles."""
+    return np.array([part.exterior.coords[:-1] for part in parts])
 
 
 def keys(doorways: Doorways) -> list[tuple[str, str, int]]:
@@ -39,9 +39,9 @@ def scan_of(*beams: list[tuple[str, float]]) -> Scan:
     return from_runs(Pose(0, 0), seen)
 
 
-def grown(doorways: Doorways, one: str, other: str, parts: Polygons, seq: int) -> Doorways:
+def grown(doorways: Doorways, one: str, other: str, corners: Floats, seq: int) -> Doorways:
     """Return the doorways with pieces seen between two zones."""
-    return doorways.updated([((one, other), parts)], {}, seq)
+    return doorways.updated([((one, other), corners)], {}, seq)
 
 
 def told(*beams: list[tuple[str, float]]) -> SensorMap:
@@ -53,13 +53,13 @@ def test_a_piece_lies_between_neighbouring_beams_that_both_cross() -> None:
     beam = [("a", 1.0), ("door", 2.0), ("b", 3.0)]
     (seen,) = told(beam, beam, [("a", 1.0)]).doorways
     assert (seen.source, seen.target) == (("a", 0), ("b", 0))
-    (piece,) = seen.pieces
+    (piece,) = pieces_of(seen.corners)
     near, far = 1.0 - DOORWAY_OVERLAP, 2.0 + DOORWAY_OVERLAP
     wanted = {(near, 0.0), (far, 0.0)} | {
         (radius * np.cos(0.1), radius * np.sin(0.1)) for radius in (near, far)
     }
     assert set(map(tuple, shapely.get_coordinates(piece).tolist())) == wanted
-    (entered,) = seen.entered
+    (entered,) = seen.ground(np.array([True]))
     assert shapely.intersects(piece, entered)
 
 
@@ -84,7 +84,7 @@ def test_where_zones_touch_a_doorway_reaches_into_both() -> None:
     found = told(beam, beam)
     (seen,) = found.doorways
     one, other = (zone.region for zone in found.zones)
-    (piece,) = seen.pieces
+    (piece,) = pieces_of(seen.corners)
     for zone in (one, other):
         assert piece.intersection(zone).area == pytest.approx(piece.area / 2, rel=0.05)
 
@@ -92,7 +92,7 @@ def test_where_zones_touch_a_doorway_reaches_into_both() -> None:
 def test_a_doorway_reaches_no_further_than_the_zones() -> None:
     beam = [("a", 0.02), ("door", 1.0), ("b", 1.03)]
     (seen,) = told(beam, beam).doorways
-    reach = np.hypot(*shapely.get_coordinates(seen.pieces[0]).T)
+    reach = np.hypot(*seen.corners.reshape(-1, 2).T)
     assert reach.min() == 0.0
     assert reach.max() == pytest.approx(1.03)
 
@@ -133,7 +133,7 @@ def test_what_adds_little_changes_nothing() -> None:
     doorways = grown(Doorways(), "a", "b", pieces(box(0, 0, 1, 1)), 1)
     assert grown(doorways, "a", "b", pieces(box(0, 0, 1, 1)), 2) is doorways
     assert grown(doorways, "a", "b", pieces(box(0.2, 0.2, 0.5, 1)), 2) is doorways
-    sliver = DOORWAY_GAIN / 2
+    sliver = DOORWAY_REACH / 2
     assert grown(doorways, "a", "b", pieces(box(0.5, 0, 1 + sliver, 1)), 2) is doorways
     assert grown(doorways, "a", "b", pieces(box(0.5, 0, 1 + 4 * sliver, 1)), 2) is not doorways
     two = grown(doorways, "a", "b", pieces(box(5, 0, 6, 1)), 2)
@@ -206,8 +206,8 @@ def check_pieces(found: SensorMap) -> None:
     """Every piece is sound, and shares ground or a side with both zones."""
     regions = {zone.name: zone.region for zone in found.zones}
     for seen in found.doorways:
-        assert len(seen.pieces) == len(seen.entered) > 0
-        for piece in seen.pieces:
+        assert len(seen.corners) == len(seen.entered) > 0
+        for piece in pieces_of(seen.corners):
             assert piece.is_valid
             for name in (seen.source, seen.target):
                 assert piece.intersection(regions[name]).length > 0.01
@@ -275,3 +275,44 @@ def test_scenes_show_doorways() -> None:
     count()
     assert counts["shown"] > 0.75 * counts["all"]
     assert counts["parallel"] > 0.25 * counts["all"]
+
+
+def test_doorways_of_a_merged_zone_move_over() -> None:
+    doorways = grown(Doorways(), "a", "c", pieces(box(0, 0, 1, 1)), 1)
+    doorways = grown(doorways, "b", "c", pieces(box(0.5, 0, 2, 1), box(5, 0, 6, 1)), 2)
+    doorways = grown(doorways, "a", "b", pieces(box(8, 0, 9, 1)), 3)
+    after = doorways.updated([], {"b": "a"}, 4)
+    assert list(after) == [("a", "c", 0), ("a", "c", 1), ("a", "a", 0)]
+    assert after["a", "c", 0].region.equals(box(0, 0, 2, 1))
+    assert after["a", "c", 1].region.equals(box(5, 0, 6, 1))
+    assert (after["a", "c", 1].since, after["a", "c", 1].seq) == (2, 4)
+    assert dict(after.former) == {
+        ("b", "c", 0): ("a", "c", 0),
+        ("b", "c", 1): ("a", "c", 1),
+        ("a", "b", 0): ("a", "a", 0),
+    }
+    assert doorways.updated([], {"x": "y"}, 4) is doorways
+
+
+def test_what_a_scan_shows_may_join_doorways_that_move() -> None:
+    doorways = grown(Doorways(), "a", "c", pieces(box(0, 0, 1, 1)), 1)
+    doorways = grown(doorways, "b", "c", pieces(box(3, 0, 4, 1)), 2)
+    bridge = [(("c", "a"), pieces(box(0.5, 0, 3.5, 1)))]
+    after = doorways.updated(bridge, {"b": "a"}, 3)
+    assert list(after) == [("a", "c", 0)]
+    assert after["a", "c", 0].region.equals(box(0, 0, 4, 1))
+    assert after["a", "c", 0].since == 1
+    assert dict(after.former) == {("b", "c", 0): ("a", "c", 0)}
+
+
+def test_a_doorway_does_not_grow_with_every_step() -> None:
+    """Along a walk of 200 places before a door, it changes a few times, and stays simple."""
+    walk = [(1.6 + number % 7 / 5, 1.5 + number / 110) for number in range(200)]
+    changes = 0
+    before = Doorways()
+    for taken in explore(drawn(TWO_ROOMS), Sensor(72, 6.0, 60), walk):
+        doorways = taken.state.metric.doorways
+        changes += doorways is not before
+        before = doorways
+    assert 0 < changes < 80
+    assert shapely.get_num_coordinates(before["a", "b", 0].region) < 350

@@ -6,6 +6,7 @@ from collections import Counter
 from itertools import permutations
 
 import numpy as np
+import pytest
 import shapely
 from hypothesis import given
 from hypothesis import strategies as st
@@ -24,9 +25,10 @@ from semtopo.metric import MetricMap
 from semtopo.placement import Placement, place
 from semtopo.runs import LabelledRuns, from_runs
 from semtopo.sensor import Sensor
-from semtopo.types import Edges, Identity, MappingOptions, Passages, Point, Pose
+from semtopo.types import Edges, Identity, Kind, MappingOptions, Passages, Point, Pose
 from semtopo.world import World
 from semtopo.zones import Border, SensorMap, Zone
+from tests.plans import TWO_DOORS, drawn
 from tests.strategies import Scene, instances, labelled_runs, many, patient, poses, scenes
 
 NOTHING = Border(np.empty((0, 2)), np.empty(0, dtype=np.uint8))
@@ -301,3 +303,109 @@ def test_runs_with_instances_are_not_vacuous() -> None:
     assert counts["merged"] > 0.15 * counts["all"]
     assert counts["moved"] > 0.08 * counts["all"]
     assert counts["parallel"] > 0.06 * counts["all"]
+
+
+def test_a_passage_through_each_doorway() -> None:
+    """With all passages, two doors are two edges each way, with points of their own."""
+    walk: list[Point] = [(1.5, 3.5), (7.5, 3.5), (1.5, 1.5), (7.5, 1.5)]
+    chosen = MappingOptions(edges=Edges.ADJACENT, passages=Passages.ALL)
+    *_, last = drive(drawn(TWO_DOORS), walk, chosen)
+    passages = last.state.graph.passages
+    assert list(passages) == [("a", "b", 0), ("a", "b", 1), ("b", "a", 0), ("b", "a", 1)]
+    for (_, _, number), passage in passages.items():
+        door = last.state.metric.doorways["a", "b", number].region
+        assert door.distance(shapely.Point(passage.point)) < 0.06
+    *_, first = drive(drawn(TWO_DOORS), walk, MappingOptions(edges=Edges.ADJACENT))
+    assert list(first.state.graph.passages) == [("a", "b", 0), ("b", "a", 0)]
+    assert first.state.graph.passages["a", "b", 0] == passages["a", "b", 0]
+
+
+def pillared(gaps: str) -> LabelledRuns:
+    """Return beams 0.05 rad apart that go from `a` through a door to `b`, or meet a pillar, `#`."""
+    through, pillar = [("a", 1.0), ("door", 1.5), ("b", 3.0)], [("a", 1.0)]
+    beams = [pillar if gap == "#" else through for gap in gaps]
+    return LabelledRuns(
+        angle_min=0.0, angle_increment=0.05, range_max=4.0, beams=beams,
+        kinds={"door": Kind.PASSAGE},
+    )  # fmt: skip
+
+
+def test_a_doorway_seen_in_parts_is_one_passage_in_the_end() -> None:
+    chosen = MappingOptions(edges=Edges.ADJACENT, passages=Passages.ALL)
+    parts = from_runs(Pose(0, 0), pillared("++#++"))
+    whole = from_runs(Pose(0, 0), pillared("+++++"))
+    first, second, third = run([parts, whole, parts], chosen)
+    assert list(first.state.graph.passages) == [("a", "b", 0), ("a", "b", 1)]
+    assert second.events == (PassageJoined("a", "b", 1, 0),)
+    assert list(second.state.graph.passages) == [("a", "b", 0)]
+    assert third.events == ()
+    assert third.state.graph is second.state.graph
+    check_run([first, second, third], chosen)
+
+
+def test_a_passage_with_the_number_that_goes_takes_the_one_that_stays() -> None:
+    """Seen from `a` the one part of a doorway, from `b` the other: then both are one."""
+    chosen = MappingOptions(edges=Edges.ADJACENT, passages=Passages.ALL)
+    there = from_runs(Pose(0, 0), pillared("++###"))
+    beams = [[("b", 1.5), ("door", 2.0), ("a", 3.0)]] * 2
+    back = LabelledRuns(
+        angle_min=np.pi - 0.05, angle_increment=0.05, range_max=4.0, beams=beams,
+        kinds={"door": Kind.PASSAGE},
+    )  # fmt: skip
+    again = from_runs(Pose(3.0, 0.4), back)
+    whole = from_runs(Pose(0, 0), pillared("++++++++"))
+    steps = list(run([there, again, whole], chosen))
+    assert list(steps[1].state.graph.passages) == [("a", "b", 0), ("b", "a", 1)]
+    assert steps[2].events == (PassageJoined("b", "a", 1, 0),)
+    assert list(steps[2].state.graph.passages) == [("a", "b", 0), ("b", "a", 0)]
+    moved = steps[2].state.graph.passages["b", "a", 0]
+    assert (moved.seq, moved.moved, moved.point) == (
+        2, 3, steps[1].state.graph.passages["b", "a", 1].point,
+    )  # fmt: skip
+    check_run(steps, chosen)
+
+
+def test_two_offices_stay_two() -> None:
+    walk: list[Point] = [(1.5, 4.5), (1.5, 1.5), (4.5, 1.5), (7.5, 1.6), (6.5, 4.5)]
+    steps = drive(drawn(TWO_OFFICES), walk, EACH)
+    assert [taken.here for taken in steps] == ["o", "h", "h", "h", "o"]
+    assert [taken.state.here for taken in steps] == ["o", "h", "h", "h", "o-2"]
+    assert list(steps[-1].state.graph.nodes) == ["o", "h", "o-2"]
+    assert ("o-2", "h") not in steps[-1].state.graph.pairs
+    *_, one = drive(drawn(TWO_OFFICES), walk, MappingOptions(edges=Edges.ADJACENT))
+    assert list(one.state.graph.nodes) == ["o", "h"]
+
+
+@pytest.mark.parametrize("edges", list(Edges))
+def test_a_room_seen_through_two_doors_is_one_in_the_end(edges: Edges) -> None:
+    world = drawn(ROUND_A_PILLAR)
+    chosen = MappingOptions(edges=edges, passages=Passages.ALL, identity=Identity.INSTANCE)
+    walk: list[Point] = [(1.5, 1.7), (9.5, 1.7), (5.5, 4.0)]
+    first, second, third = drive(world, walk, chosen)
+    assert list(second.state.graph.nodes) == ["h", "o", "o-2"]
+    assert [key for key in second.state.graph.passages if key[0] == "h"] == [
+        ("h", "o", 0), ("h", "o-2", 0),
+    ]  # fmt: skip
+    assert NodeMerged("o-2", "o") in third.events
+    graph = third.state.graph
+    assert list(graph.nodes) == ["h", "o"]
+    assert {("h", "o", 0), ("h", "o", 1)} <= graph.passages.keys()
+    assert list(third.state.metric.doorways) == [("h", "o", 0), ("h", "o", 1)]
+    assert graph.passages["h", "o", 1].point == second.state.graph.passages["h", "o-2", 0].point
+    check_same_graph(graph.at(2), second.state.graph)
+    check_run([first, second, third], chosen)
+    only = MappingOptions(edges=edges, identity=Identity.INSTANCE)
+    *_, last = drive(world, walk, only)
+    assert [key for key in last.state.graph.passages if key[0] == "h"] == [("h", "o", 0)]
+
+
+def test_a_door_between_two_places_of_one_label_is_an_edge() -> None:
+    beam = [("o", 1.0), ("door", 1.5), ("o", 3.0)]
+    seen_ = LabelledRuns(
+        angle_min=0.0, angle_increment=0.1, range_max=4.0, beams=[beam, beam],
+        kinds={"door": Kind.PASSAGE},
+    )  # fmt: skip
+    for chosen in (SEEN, EACH):
+        (taken,) = run([from_runs(Pose(0, 0), seen_)], chosen)
+        assert list(taken.state.graph.passages) == [("o", "o-2", 0)]
+        assert list(taken.state.metric.doorways) == [("o", "o-2", 0)]
