@@ -29,7 +29,7 @@ from service.openapi import DescribedApi
 from service.page import add_page
 from service.pictures import Pictures
 from service.protocol import PatientProtocol
-from service.routes import router
+from service.routes import ROUTES
 from service.sessions import Sessions
 from service.settings import Settings
 from service.steps import Steps
@@ -50,6 +50,8 @@ def create_app(settings: Settings, database: Database) -> FastAPI:
         lifespan=_lifespan,
         docs_url=None,
         redoc_url=None,
+        # or each request would look for OpenTelemetry
+        telemetry={"tracing": False, "metrics": False},
     )
     if settings.keys:
         app.add_middleware(KeyGate, service=app)
@@ -59,7 +61,7 @@ def create_app(settings: Settings, database: Database) -> FastAPI:
     app.state.settings = settings
     app.state.database = database
     problems.register(app)
-    app.include_router(router)
+    app.router.routes.extend(ROUTES)
     add_page(app)
     # the files of Swagger UI come with a package, so that /docs works without internet
     swagger = resources.files("fastapi_swagger") / "resources"
@@ -88,6 +90,7 @@ def serve(settings: Settings) -> None:
         http=PatientProtocol,
         ws="none",
         access_log=False,
+        proxy_headers=False,  # nothing here depends on where a request comes from
         timeout_graceful_shutdown=STOP_SECONDS_MAX,
     )
     EndingServer(config).run()
@@ -117,10 +120,12 @@ async def _lifespan(app: FastAPI) -> AsyncIterator[None]:
     """Begin with nothing in memory; close the database when all steps have ended."""
     settings: Settings = app.state.settings
     database: Database = app.state.database
-    writer = open_writer(database, settings.queue_max)
-    app.state.sessions = Sessions(database, writer, settings, app.state.metrics)
-    app.state.feeds = Feeds(app.state.sessions, settings, app.state.metrics)
-    app.state.steps = Steps(app.state.sessions, app.state.feeds, settings, app.state.metrics)
+    metrics: Metrics = app.state.metrics
+    writer = open_writer(database, settings.queue_max, metrics.time_commit)
+    metrics.show("queued_changes", "Changes that wait to be committed", lambda: writer.waiting)
+    app.state.sessions = Sessions(database, writer, settings, metrics)
+    app.state.feeds = Feeds(app.state.sessions, settings, metrics)
+    app.state.steps = Steps(app.state.sessions, app.state.feeds, settings, metrics)
     app.state.maps = Maps(app.state.sessions, settings)
     app.state.pictures = Pictures(app.state.sessions, app.state.maps)
     try:

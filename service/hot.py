@@ -60,12 +60,13 @@ class HotSession:
     """A session in memory, as of step `state.seq`."""
 
     row: store.SessionRow
+    """What does not change from step to step; its `version` is that of the time of loading."""
     world: World | None
     sensor: Sensor
     options: MappingOptions
     state: MapState
     step_ms: float = math.inf
-    """How long the last step took to compute; unknown before the first."""
+    """What the last step took of a processor; unknown before the first."""
     map_bytes: int = 0
     """About what the map takes in memory."""
 
@@ -102,10 +103,7 @@ class HotSession:
         old_zones = [before.zones[zone_id] for zone_id in zone_ids if zone_id in before.zones]
         old_doors = [before.doorways[key] for key in keys if key in before.doorways]
         grown = _bytes_of(zones, doors) - _bytes_of(old_zones, old_doors)
-        row = replace(self.row, version=state.seq)
-        return replace(
-            self, row=row, state=state, step_ms=step_ms, map_bytes=self.map_bytes + grown
-        )
+        return replace(self, state=state, step_ms=step_ms, map_bytes=self.map_bytes + grown)
 
     def take(self, pose: Pose, seen: LabelledRuns | None, watch: Stopwatch) -> Step:
         """Take one step: with what a real sensor saw, else with the simulated one.

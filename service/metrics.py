@@ -19,7 +19,11 @@ from prometheus_client import (
 )
 from starlette.types import ASGIApp, Message, Receive, Scope, Send
 
+from semtopo.mapper import Stage
+
 _SECONDS = (0.0005, 0.001, 0.0025, 0.005, 0.01, 0.025, 0.05, 0.1, 0.25, 0.5, 1.0, 2.5, 5.0)
+
+_CHANGES = (1, 2, 4, 8, 16, 32, 64)
 
 
 class Metrics:
@@ -36,6 +40,15 @@ class Metrics:
         self._seconds = Histogram(
             "semtopo_step_seconds", "What the stages of recorded steps took to compute", ["stage"],
             buckets=_SECONDS, registry=registry,
+        )  # fmt: skip
+        self._stages = {stage: self._seconds.labels(stage) for stage in [*Stage, "total"]}
+        self._commit_seconds = Histogram(
+            "semtopo_commit_seconds", "What transactions took", buckets=_SECONDS,
+            registry=registry,
+        )  # fmt: skip
+        self._commit_changes = Histogram(
+            "semtopo_commit_changes", "Changes in one transaction", buckets=_CHANGES,
+            registry=registry,
         )  # fmt: skip
         self._responses = Counter(
             "semtopo_http_responses", "HTTP responses, by class of status", ["status"],
@@ -54,7 +67,12 @@ class Metrics:
     def time_stages(self, timings_ms: Mapping[str, float]) -> None:
         """Take note of what each stage of a step took."""
         for stage, milliseconds in timings_ms.items():
-            self._seconds.labels(stage).observe(milliseconds / 1000)
+            self._stages[stage].observe(milliseconds / 1000)
+
+    def time_commit(self, changes: int, seconds: float) -> None:
+        """Take note of a transaction; from any thread."""
+        self._commit_changes.observe(changes)
+        self._commit_seconds.observe(seconds)
 
     def count_response(self, status: int) -> None:
         """Count a response."""

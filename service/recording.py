@@ -38,13 +38,13 @@ class StepRequest:
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Computed:
-    """A step that was computed on the map of `hot`, and is to be recorded."""
+    """A step that was computed, and is to be recorded; `cpu_ms` is what it took of a processor."""
 
-    hot: HotSession
     step: Step
     answer: str
     taken_at: str
     timings_ms: Mapping[str, float]
+    cpu_ms: float
 
 
 @dataclass(frozen=True, slots=True)

@@ -15,7 +15,7 @@ from sqlalchemy.sql.elements import ClauseElement
 
 
 class Statement:
-    """A statement that changes rows, compiled once for each kind of database."""
+    """A statement, compiled once for each kind of database."""
 
     def __init__(self, statement: ClauseElement) -> None:
         """Keep the statement."""
@@ -36,12 +36,23 @@ def run(connection: Connection, statement: Statement, values: Mapping[str, Any])
 
     An error is the driver's own, not one of SQLAlchemy's.
     """
+    changed: int = _executed(connection, statement, values).rowcount
+    return changed
+
+
+def find(
+    connection: Connection, statement: Statement, values: Mapping[str, Any]
+) -> tuple[Any, ...] | None:
+    """Execute a query for one row; return its columns, or `None` if there is none."""
+    row: tuple[Any, ...] | None = _executed(connection, statement, values).fetchone()
+    return row
+
+
+def _executed(connection: Connection, statement: Statement, values: Mapping[str, Any]) -> Any:  # noqa: ANN401 -- a cursor of either driver
     compiled = statement.compiled(connection.dialect)
     if compiled.positiontup is None:
         given: Any = {name: values[name] for name in compiled.bind_names.values()}
     else:
         given = [values[name] for name in compiled.positiontup]
-    driver = connection.connection.driver_connection
-    assert driver is not None  # noqa: S101 -- the connection is open
-    changed: int = driver.execute(compiled.string, given).rowcount
-    return changed
+    driver: Any = connection.connection.driver_connection
+    return driver.execute(compiled.string, given)

@@ -7,11 +7,10 @@ writer, and only when that has committed does the new map become visible and the
 from __future__ import annotations
 
 import asyncio
-from collections.abc import Coroutine
 from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass
 from functools import partial
-from typing import Any
+from time import thread_time
 
 from semtopo import SemtopoError
 from semtopo.codec import step_document, to_json
@@ -41,6 +40,10 @@ SHORT_INPUT = 2**13
 """Characters; a longer input may take much longer than the step before it."""
 
 
+_OUTCOMES: dict[type[SemtopoError], str] = {BusyError: "busy", StorageError: "failed"}
+"""How steps end that were not refused for a reason of their own, in a word for the metrics."""
+
+
 @dataclass(frozen=True, slots=True)
 class Answer:
     """The bytes of an answer, and the entity tag of the map after the step."""
@@ -60,21 +63,31 @@ class Steps:
         self._sessions = sessions
         self._feeds = feeds
         self._metrics = metrics
-        self._running: set[asyncio.Task[Any]] = set()
+        self._running = 0
+        self._ended = asyncio.Event()
         self._steps_max = settings.queue_max
         self._computers = ThreadPoolExecutor(COMPUTERS, thread_name_prefix="step")
-        metrics.show("waiting_steps", "Steps that have not ended", lambda: len(self._running))
+        metrics.show("waiting_steps", "Steps that have not ended", lambda: self._running)
 
     async def take(self, session_id: str, request: StepRequest) -> Answer:
         """Take a step, and return its answer once it is on disk.
 
-        It goes on to its end even if whoever asked for it goes away. Raises BusyError where too
-        many steps have begun already.
+        Whoever is cancelled while it is being stored leaves it to its end. Raises BusyError where
+        too many steps have begun already.
         """
-        if len(self._running) >= self._steps_max:
-            self._metrics.count_step("busy")
-            raise BusyError("too many steps are waiting")
-        return await self._to_its_end(self._in_turn(session_id, request))
+        outcome = "failed"
+        self._running += 1
+        try:
+            answer = await self._in_turn(session_id, request)
+            outcome = "replayed" if answer.replayed else "recorded"
+        except SemtopoError as error:
+            outcome = _OUTCOMES.get(type(error), "refused")
+            raise
+        finally:
+            self._running -= 1
+            self._ended.set()
+            self._metrics.count_step(outcome)
+        return answer
 
     async def page(
         self, session_id: str, after: int, limit: int
@@ -87,10 +100,13 @@ class Steps:
     async def close(self) -> None:
         """Let every step that has begun come to its end."""
         while self._running:
-            await asyncio.wait(self._running)
+            self._ended.clear()
+            await self._ended.wait()
         self._computers.shutdown()
 
     async def _in_turn(self, session_id: str, request: StepRequest) -> Answer:
+        if self._running > self._steps_max:
+            raise BusyError("too many steps are waiting")
         async with self._sessions.turn(session_id):
             hot = self._sessions.known(session_id) or await self._sessions.find(session_id)
             for _ in range(ATTEMPTS):
@@ -111,7 +127,7 @@ class Steps:
             raise
         match outcome:
             case Recorded() if computed is not None:
-                after = hot.after(computed.step.state, computed.timings_ms["total"])
+                after = hot.after(computed.step.state, computed.cpu_ms)
                 self._metrics.time_stages(computed.timings_ms)
                 self._sessions.keep(after)
                 self._feeds.tell(hot.row.number)
@@ -133,32 +149,11 @@ class Steps:
         loop = asyncio.get_running_loop()
         return await loop.run_in_executor(self._computers, _computed, hot, request)
 
-    async def _to_its_end(self, work: Coroutine[Any, Any, Answer]) -> Answer:
-        """Run a step that goes on if the caller is cancelled."""
-        task = asyncio.get_running_loop().create_task(work)
-        self._running.add(task)
-        task.add_done_callback(self._running.discard)
-        task.add_done_callback(lambda task: self._metrics.count_step(_outcome(task)))
-        return await asyncio.shield(task)
-
-
-def _outcome(step: asyncio.Task[Answer]) -> str:
-    """Say in a word how a step ended."""
-    error = None if step.cancelled() else step.exception()
-    match error:
-        case None:
-            return "replayed" if not step.cancelled() and step.result().replayed else "recorded"
-        case BusyError():
-            return "busy"
-        case SemtopoError() if not isinstance(error, StorageError):
-            return "refused"
-        case _:
-            return "failed"
-
 
 def _computed(hot: HotSession, request: StepRequest) -> Computed:
-    watch = Stopwatch()
+    begun, watch = thread_time(), Stopwatch()
     taken = hot.take(request.pose, request.seen, watch)
     timings = watch.timings_ms()
     document = {**step_document(taken), "timings_ms": timings}
-    return Computed(hot, taken, to_json(document).decode(), now(), timings)
+    cpu_ms = 1000 * (thread_time() - begun)
+    return Computed(taken, to_json(document).decode(), now(), timings, cpu_ms)

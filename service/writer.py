@@ -14,6 +14,7 @@ import threading
 from collections.abc import Callable, Iterator
 from concurrent.futures import ThreadPoolExecutor
 from contextlib import AbstractContextManager, contextmanager, suppress
+from time import perf_counter
 from typing import Any, Protocol, TypeVar
 
 from sqlalchemy import Connection, Engine
@@ -32,6 +33,9 @@ Errors = tuple[type[Exception], ...]
 _Item = tuple[Change, asyncio.Future[Any]]
 _Outcome = tuple[Any, Exception | None]
 
+Committed = Callable[[int, float], None]
+"""Hears of a transaction, in the thread that made it: how many changes, and how many s it took."""
+
 GROUP_MAX = 64
 """Changes in one transaction; more would make the first of them wait too long."""
 
@@ -39,8 +43,17 @@ WRITERS = 8
 """Threads that write to PostgreSQL; each holds one connection while it works."""
 
 
+def _ignore(_changes: int, _seconds: float) -> None:
+    """Hear nothing."""
+
+
 class Writer(Protocol):
     """Something that commits changes."""
+
+    @property
+    def waiting(self) -> int:
+        """How many changes wait to be committed."""
+        ...
 
     async def commit(self, change: Callable[[Connection], Result]) -> Result:
         """Run a change in a transaction, commit it, and return its result.
@@ -59,31 +72,38 @@ class Writer(Protocol):
         ...
 
 
-def open_writer(database: Database, queue_max: int) -> Writer:
-    """Return the writer that suits a database."""
+def open_writer(database: Database, queue_max: int, committed: Committed = _ignore) -> Writer:
+    """Return the writer that suits a database; it tells of every transaction that it commits."""
     if database.single_writer:
-        return GroupWriter(database.writer, queue_max)
-    return PoolWriter(database.writer, queue_max)
+        return GroupWriter(database.writer, queue_max, committed)
+    return PoolWriter(database.writer, queue_max, committed)
 
 
 class GroupWriter:
     """One thread and one connection, which commit in groups."""
 
-    def __init__(self, engine: Engine, queue_max: int) -> None:
+    def __init__(self, engine: Engine, queue_max: int, committed: Committed = _ignore) -> None:
         """Start the thread."""
+        self._committed = committed
         self._connection = engine.connect()  # kept: to take it up anew would cost 0.1 ms
+        self._driver: Any = self._connection.connection.driver_connection
         self._errors = _database_errors(engine)
-        self._waiting: queue.Queue[_Item | None] = queue.Queue(queue_max)
+        self._waiting: queue.SimpleQueue[_Item | None] = queue.SimpleQueue()
+        self._queue_max = queue_max
         self._thread = threading.Thread(target=self._work, name="writer")
         self._thread.start()
 
+    @property
+    def waiting(self) -> int:
+        """How many changes wait to be committed."""
+        return self._waiting.qsize()
+
     async def commit(self, change: Callable[[Connection], Result]) -> Result:
         """Run a change together with others that are waiting; see `Writer`."""
+        if self.waiting >= self._queue_max:
+            raise BusyError("too many steps are waiting to be stored")
         future: asyncio.Future[Result] = asyncio.get_running_loop().create_future()
-        try:
-            self._waiting.put_nowait((change, future))
-        except queue.Full:
-            raise BusyError("too many steps are waiting to be stored") from None
+        self._waiting.put((change, future))
         return await future
 
     def close(self) -> None:
@@ -107,6 +127,7 @@ class GroupWriter:
 
     def _outcomes(self, changes: list[Change]) -> list[_Outcome]:
         """Commit changes together; if one of them fails, each alone."""
+        begun = perf_counter()
         try:
             with self._begin() as connection:
                 results = _run_all(connection, changes)
@@ -116,28 +137,43 @@ class GroupWriter:
             return [(None, _storage_failure(error))] * len(changes)
         except Exception as error:  # noqa: BLE001 -- the thread must live; the callers are told
             return [(None, error)] * len(changes)
+        self._committed(len(changes), perf_counter() - begun)
         return [(result, None) for result in results]
 
     @contextmanager
     def _begin(self) -> Iterator[Connection]:
-        """Give the connection in a transaction, and leave it without one."""
+        """Give the connection in a transaction, and leave it without one.
+
+        It begins on the driver; SQLAlchemy joins in when it is first used.
+        """
         try:
-            with self._connection.begin():
-                yield self._connection
+            self._driver.execute("BEGIN IMMEDIATE")
+            yield self._connection
+            if self._connection.in_transaction():
+                self._connection.commit()
+            else:
+                self._driver.commit()
         except BaseException:
-            self._connection.connection.rollback()  # a commit that failed may have left it open
+            self._connection.rollback()
+            self._driver.rollback()  # a commit that failed may have left it open
             raise
 
 
 class PoolWriter:
     """Several threads, and a transaction for each change."""
 
-    def __init__(self, engine: Engine, queue_max: int) -> None:
+    def __init__(self, engine: Engine, queue_max: int, committed: Committed = _ignore) -> None:
         """Make the threads."""
         self._begin = engine.begin
+        self._committed = committed
         self._errors = _database_errors(engine)
         self._pool = ThreadPoolExecutor(WRITERS, thread_name_prefix="writer")
-        self._free = queue_max
+        self._free = self._queue_max = queue_max
+
+    @property
+    def waiting(self) -> int:
+        """How many changes wait to be committed."""
+        return self._queue_max - self._free
 
     async def commit(self, change: Callable[[Connection], Result]) -> Result:
         """Run a change in a transaction of its own; see `Writer`."""
@@ -146,7 +182,7 @@ class PoolWriter:
         self._free -= 1
         try:
             result, error = await asyncio.get_running_loop().run_in_executor(
-                self._pool, _outcome, self._begin, self._errors, change
+                self._pool, self._timed, change
             )
         finally:
             self._free += 1
@@ -154,6 +190,13 @@ class PoolWriter:
             raise error
         made: Result = result
         return made
+
+    def _timed(self, change: Change) -> _Outcome:
+        begun = perf_counter()
+        outcome = _outcome(self._begin, self._errors, change)
+        if outcome[1] is None:
+            self._committed(1, perf_counter() - begun)
+        return outcome
 
     def close(self) -> None:
         """Finish what was handed in, and stop the threads."""

@@ -10,6 +10,7 @@ from typing import Annotated, Any
 import orjson
 from fastapi import APIRouter, Query, Request, Response
 
+from service.arguments import BodyRoute
 from service.clock import now
 from service.hot import HotSession
 from service.parameters import Limit, SessionId, owner_of, sessions_of
@@ -18,7 +19,7 @@ from service.schemas.problems import problems
 from service.schemas.sessions import SessionAnswer, SessionRequest, SessionsAnswer
 from service.store import NewSession, SessionHead
 
-router = APIRouter(tags=["sessions"], responses=problems(401, 413, 422, 503))
+router = APIRouter(tags=["sessions"], responses=problems(401, 413, 422, 503), route_class=BodyRoute)
 
 
 @router.post(
@@ -87,6 +88,7 @@ def _session(hot: HotSession) -> dict[str, Any]:
     row, world = hot.row, hot.world
     return {
         **_listed(row),
+        "seq": hot.seq,
         "sensor": orjson.Fragment(row.sensor),
         "mapping": orjson.Fragment(row.mapping),
         "world": None if world is None else {"name": world.name, "zones": len(world.zones)},

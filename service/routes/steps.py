@@ -8,6 +8,7 @@ from typing import Any
 import orjson
 from fastapi import APIRouter, Request, Response
 
+from service.arguments import BodyRoute
 from service.parameters import (
     AfterStep,
     IdempotencyKey,
@@ -24,7 +25,7 @@ from service.schemas.problems import problems
 from service.schemas.steps import StepAnswer, StepDocument, StepsAnswer
 from service.store import LoggedStep
 
-router = APIRouter(tags=["mapping"], responses=problems(401, 413, 422, 503))
+router = APIRouter(tags=["mapping"], responses=problems(401, 413, 422, 503), route_class=BodyRoute)
 
 
 @router.post(

@@ -6,9 +6,9 @@ from collections.abc import Iterator
 from dataclasses import dataclass
 from typing import Any
 
-from sqlalchemy import Connection, Row, insert, select
+from sqlalchemy import Connection, Row, bindparam, insert, select
 
-from service.statements import Statement, run
+from service.statements import Statement, find, run
 from service.tables import steps
 
 PAGE_CHARACTERS = 2**22
@@ -32,6 +32,13 @@ class LoggedStep:
     answer: str
 
 
+_FIND_BY_KEY = Statement(
+    select(*(steps.c[name] for name in LoggedStep.__slots__)).where(
+        steps.c.session == bindparam("session"), steps.c.key == bindparam("key")
+    )
+)
+
+
 def add_step(connection: Connection, session: int, logged: LoggedStep) -> None:
     """Append a step to the log."""
     values = {name: getattr(logged, name) for name in LoggedStep.__slots__}
@@ -40,12 +47,15 @@ def add_step(connection: Connection, session: int, logged: LoggedStep) -> None:
 
 def find_step(connection: Connection, session: int, seq: int) -> LoggedStep | None:
     """Return one step of a session, or `None` if it was not taken yet."""
-    return _one_step(connection, session, steps.c.seq == seq)
+    query = select(steps).where(steps.c.session == session, steps.c.seq == seq)
+    row = connection.execute(query).one_or_none()
+    return None if row is None else _logged(row)
 
 
 def find_step_by_key(connection: Connection, session: int, key: str) -> LoggedStep | None:
     """Return the step of a session that was sent with an Idempotency-Key, if any."""
-    return _one_step(connection, session, steps.c.key == key)
+    row = find(connection, _FIND_BY_KEY, {"session": session, "key": key})
+    return None if row is None else LoggedStep(*row)
 
 
 def list_steps(
@@ -76,12 +86,6 @@ def page_of_steps(
             return page, True
         page.append(logged)
     return page, False
-
-
-def _one_step(connection: Connection, session: int, which: Any) -> LoggedStep | None:  # noqa: ANN401 -- a SQL condition
-    query = select(steps).where(steps.c.session == session, which)
-    row = connection.execute(query).one_or_none()
-    return None if row is None else _logged(row)
 
 
 def _logged(row: Row[Any]) -> LoggedStep:

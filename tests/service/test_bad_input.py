@@ -5,11 +5,13 @@ from __future__ import annotations
 import json
 import re
 from collections.abc import Iterator
+from pathlib import Path
 from typing import Any
 
 import httpx2
 import pytest
 
+from service.arguments import MEMBERS_MAX, VALUES_MAX
 from service.schemas.problems import ProblemAnswer
 from service.settings import Settings
 from tests.servers import Json, Server
@@ -51,10 +53,16 @@ def empty(server: Server) -> str:
 
 @pytest.fixture(scope="module", autouse=True)
 def lean(lasting_server: Server) -> Iterator[None]:
-    """See to it that the server is after all tests about as large as it was before."""
+    """See to it that the server is never much larger than before the tests."""
+    process = Path("/proc", str(lasting_server.pid))
+    if process.exists():
+        (process / "clear_refs").write_text("5")  # the peak begins anew
     before = metric(lasting_server, "process_resident_memory_bytes")
     yield
     assert metric(lasting_server, "process_resident_memory_bytes") - before < GROWTH_BYTES_MAX
+    if process.exists():
+        (peak,) = re.findall(r"VmHWM:\s+(\d+) kB", (process / "status").read_text())
+        assert 1024 * int(peak) - before < GROWTH_BYTES_MAX
 
 
 @pytest.fixture(autouse=True)
@@ -94,6 +102,11 @@ def raw(server: Server, path: str, body: bytes, kind: str = "application/json") 
 def text(document: object) -> bytes:
     """Write JSON as Python does: NaN and Infinity bare, lone surrogates escaped."""
     return json.dumps(document).encode()
+
+
+def verdict(body: bytes, status: int, code: str) -> tuple[int, str]:
+    """Return what is answered to a body: JSON with a lone surrogate is none (RFC 7493, 2.1)."""
+    return (400, "malformed_json") if re.search(rb"\\ud[89a-f]", body) else (status, code)
 
 
 def scan(**changed: object) -> Json:
@@ -206,7 +219,8 @@ def test_a_bad_step(
     server: Server, request: pytest.FixtureRequest, session: str, document: Json, code: str
 ) -> None:
     path: str = request.getfixturevalue(session)
-    refused(raw(server, f"{path}/step", text(document)), 422, code)
+    body = text(document)
+    refused(raw(server, f"{path}/step", body), *verdict(body, 422, code))
 
 
 def test_a_number_that_is_beyond_all(server: Server, mapped: str) -> None:
@@ -258,7 +272,8 @@ WORLDS = [
 
 @pytest.mark.parametrize("world", WORLDS)
 def test_a_bad_world(server: Server, world: object) -> None:
-    refused(raw(server, "/sessions", text({"world": world})), 422, "invalid_world")
+    body = text({"world": world})
+    refused(raw(server, "/sessions", body), *verdict(body, 422, "invalid_world"))
 
 
 @pytest.mark.parametrize(
@@ -281,7 +296,8 @@ def test_a_bad_world(server: Server, world: object) -> None:
     ],
 )
 def test_a_bad_session(server: Server, part: str, value: object, code: str) -> None:
-    refused(raw(server, "/sessions", text({part: value})), 422, code)
+    body = text({part: value})
+    refused(raw(server, "/sessions", body), *verdict(body, 422, code))
 
 
 # Addresses
@@ -391,7 +407,8 @@ def test_a_bad_session_id(server: Server, session_id: str, status: int, code: st
 def test_a_bad_question(
     server: Server, mapped: str, question: object, status: int, code: str
 ) -> None:
-    refused(raw(server, f"{mapped}/query", text({"text": question})), status, code)
+    body = text({"text": question})
+    refused(raw(server, f"{mapped}/query", body), *verdict(body, status, code))
 
 
 # Bodies that are no JSON, or no modest one
@@ -403,11 +420,11 @@ MALFORMED = [
     case("a comma too much", b'{"pose": {"x": 1, "y": 1,},}', "malformed_json"),
     case("two documents", b"{}{}", "malformed_json"),
     case("NUL", b"\0", "malformed_json"),
-    case("no UTF-8", b'{"pose": "\xff\xfe"}', "malformed_request"),
-    case("a number of 5,000 digits", b'{"seq": ' + b"1" * 5000 + b"}", "malformed_request"),
-    case("100,000 brackets", b"[" * 100_000, "malformed_request"),
-    case("100,000 brackets closed", b"[" * 100_000 + b"]" * 100_000, "malformed_request"),
-    case("100,000 braces", b'{"a":' * 100_000 + b"1" + b"}" * 100_000, "malformed_request"),
+    case("no UTF-8", b'{"pose": "\xff\xfe"}', "malformed_json"),
+    case("a number of 5,000 digits", b'{"seq": ' + b"1" * 5000 + b"}", "malformed_json"),
+    case("100,000 brackets", b"[" * 100_000, "malformed_json"),
+    case("100,000 brackets closed", b"[" * 100_000 + b"]" * 100_000, "malformed_json"),
+    case("100,000 braces", b'{"a":' * 100_000 + b"1" + b"}" * 100_000, "malformed_json"),
     case("half of UTF-16", '{"pose": {}}'.encode("utf-16")[:-3], "malformed_request"),
 ]
 
@@ -490,11 +507,26 @@ CROWDS = [
 ]  # fmt: skip
 
 
+@pytest.mark.parametrize("below", ["/step", "/query", ""])
+@pytest.mark.parametrize("values", [b"[]", b"{}", b"1"])
+def test_more_values_than_any_document_has(
+    server: Server, mapped: str, below: str, values: bytes
+) -> None:
+    body = b"[" + b",".join([values] * (VALUES_MAX + 1)) + b"]"
+    found = refused(
+        raw(server, mapped + below if below else "/sessions", body), 422, "invalid_request"
+    )
+    assert str(VALUES_MAX) in found.detail
+
+
 @pytest.mark.parametrize(("below", "body", "code"), CROWDS)
 def test_a_crowd(server: Server, mapped: str, below: str, body: bytes, code: str) -> None:
     assert len(body) <= BODY_BYTES_MAX
     before = worked(server)
-    refused(raw(server, mapped + below if below else "/sessions", body), 422, code)
+    values, members = sum(map(body.count, (b",", b"[", b"{"))), body.count(b":")
+    is_crowd = values > VALUES_MAX or members > MEMBERS_MAX
+    answer = raw(server, mapped + below if below else "/sessions", body)
+    refused(answer, 422, "invalid_request" if is_crowd else code)
     assert worked(server) - before < WORK_SECONDS_MAX
 
 

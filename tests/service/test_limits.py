@@ -200,6 +200,9 @@ def test_steps_are_counted_by_outcome(server: Server, counted: dict[str, float])
     assert len(stages) == 6
     assert all(now[stage] == 3 for stage in stages)
     assert now['semtopo_step_seconds_sum{stage="total"}'] > 0
+    assert now["semtopo_commit_seconds_count"] == now["semtopo_commit_changes_count"] > 3
+    assert now["semtopo_commit_changes_sum"] >= now["semtopo_commit_seconds_count"]
+    assert now["semtopo_queued_changes"] == 0
 
 
 def test_responses_are_counted_by_status(server: Server, counted: dict[str, float]) -> None:

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import asyncio
 from collections.abc import Callable, Iterator
-from contextlib import contextmanager
+from contextlib import contextmanager, suppress
 from dataclasses import dataclass
 from enum import Enum
 from typing import Any, TypeVar
@@ -26,7 +26,7 @@ from service.schemas.sessions import SessionRequest
 from service.schemas.steps import StepDocument
 from service.sessions import Sessions
 from service.settings import Settings
-from service.steps import Steps
+from service.steps import COMPUTERS, Steps
 from service.writer import Writer, open_writer
 from tests.servers import Json
 from tests.service.twin import Twin, paper_steps, paper_world, untimed
@@ -34,6 +34,13 @@ from tests.service.twin import Twin, paper_steps, paper_world, untimed
 pytestmark = pytest.mark.databases("sqlite", "postgres")
 
 SESSION: Json = {"world": paper_world(), "sensor": {"beams": 36}}
+HEAVY: Json = {
+    "world": {"zones": [
+        {"label": f"z{x}-{y}", "kind": "space", "low": [x, y], "high": [x + 1, y + 1]}
+        for x in range(60) for y in range(60)
+    ]},
+    "sensor": {"beams": 1_000, "range": 60.0, "samples": 100},
+}  # fmt: skip
 STEPS = paper_steps()
 Result = TypeVar("Result")
 
@@ -62,6 +69,10 @@ class FailingWriter:
             raise StorageError("as if the connection were cut")
         return result
 
+    @property
+    def waiting(self) -> int:
+        return self._writer.waiting
+
     def close(self) -> None:
         self._writer.close()
 
@@ -82,9 +93,12 @@ def opened(url: str) -> Iterator[Service]:
     writer = FailingWriter(open_writer(database, settings.queue_max))
     sessions = Sessions(database, writer, settings, metrics)
     steps = Steps(sessions, Feeds(sessions, settings, metrics), settings, metrics)
-    yield Service(sessions, steps, Maps(sessions, settings), writer)
-    writer.close()
-    database.close()
+    try:
+        yield Service(sessions, steps, Maps(sessions, settings), writer)
+    finally:
+        asyncio.run(steps.close())
+        writer.close()
+        database.close()
 
 
 def request(document: Json, key: str | None = None) -> StepRequest:
@@ -121,19 +135,50 @@ def test_after_a_failure_a_step_is_taken_on_what_is_stored(
         asyncio.run(drive())
 
 
-def test_whoever_is_cancelled_leaves_the_step_to_its_end(new_database: Callable[[], str]) -> None:
-    async def drive() -> None:
+def test_whoever_is_cancelled_can_ask_again_and_the_step_is_taken_once(
+    new_database: Callable[[], str],
+) -> None:
+    async def drive() -> int:
         await service.sessions.create(new_session("s", SessionRequest.model_validate(SESSION)))
-        for document in STEPS[:10]:
-            asked = asyncio.create_task(service.steps.take("s", request(document)))
-            await asyncio.sleep(0)
+        cancelled = 0
+        for number, document in enumerate(STEPS[:24]):
+            wanted = request(document, f"k{number}")
+            asked = asyncio.create_task(service.steps.take("s", wanted))
+            # from before it has begun until after it was handed to the writer
+            for _ in range(number % 6):
+                await asyncio.sleep(0.001 * (number % 4))
             asked.cancel()
-            with pytest.raises(asyncio.CancelledError):
+            with suppress(asyncio.CancelledError):
                 await asked
-        await service.steps.close()  # waits for them
+            cancelled += asked.cancelled()
+            assert await take(service, wanted) == twin.step(document)
+        await service.steps.close()
         logged, _ = await service.steps.page("s", 0, 100)
-        assert [one.seq for one in logged] == list(range(1, 11))
-        assert [orjson.loads(one.input) for one in logged] == STEPS[:10]
+        assert [orjson.loads(one.input) for one in logged] == STEPS[:24]
+        assert (await service.maps.view("s", None, "zones", zones_body)).content == twin.zones()
+        return cancelled
+
+    twin = Twin(SESSION)
+    with opened(new_database()) as service:
+        assert asyncio.run(drive()) > 6
+
+
+def test_a_step_that_computes_long_keeps_no_reader_waiting(
+    new_database: Callable[[], str],
+) -> None:
+    """More long steps than there are threads for them, and a read: the read is answered first."""
+
+    async def drive() -> None:
+        create = service.sessions.create
+        await create(new_session("s", SessionRequest.model_validate(SESSION)))
+        heavy = [f"heavy{number}" for number in range(2 * COMPUTERS)]
+        for name in heavy:
+            await create(new_session(name, SessionRequest.model_validate(HEAVY)))
+        taken = [asyncio.create_task(service.steps.take(n, request(STEPS[0]))) for n in heavy]
+        for _ in range(20):
+            await service.maps.graph("s", None)
+        assert not any(one.done() for one in taken[COMPUTERS:])
+        await asyncio.gather(*taken)
 
     with opened(new_database()) as service:
         asyncio.run(drive())

@@ -8,7 +8,7 @@ from collections.abc import Callable, Iterator
 from typing import Any
 
 import pytest
-from sqlalchemy import Connection, Engine, create_engine, event, insert, text
+from sqlalchemy import Connection, create_engine, insert, text
 from sqlalchemy.exc import IntegrityError
 
 from service.database import Database, open_database
@@ -55,12 +55,6 @@ class Gate:
         return "through"
 
 
-def count_commits(engine: Engine) -> list[object]:
-    commits: list[object] = []
-    event.listen(engine, "commit", commits.append)
-    return commits
-
-
 async def behind(writer: Writer, changes: list[Change]) -> list[Any]:
     """Hand changes in while the writer is held up, so that they gather; return how they ended."""
     gate = Gate()
@@ -74,8 +68,18 @@ async def behind(writer: Writer, changes: list[Change]) -> list[Any]:
 
 
 @pytest.fixture
-def writer(database: Database) -> Iterator[GroupWriter]:
-    opened = open_writer(database, queue_max=100)
+def groups() -> list[int]:
+    """Give the sizes of the transactions that the writer commits."""
+    return []
+
+
+@pytest.fixture
+def writer(database: Database, groups: list[int]) -> Iterator[GroupWriter]:
+    def committed(changes: int, seconds: float) -> None:
+        assert seconds > 0
+        groups.append(changes)
+
+    opened = open_writer(database, 100, committed)
     assert isinstance(opened, GroupWriter)
     yield opened
     opened.close()
@@ -86,18 +90,21 @@ def test_a_change_is_committed_when_it_answers(database: Database, writer: Group
     assert numbers(database) == [1]
 
 
-def test_what_has_gathered_is_committed_at_once(database: Database, writer: GroupWriter) -> None:
-    commits = count_commits(database.writer)
+def test_what_has_gathered_is_committed_at_once(
+    database: Database, writer: GroupWriter, groups: list[int]
+) -> None:
     results = asyncio.run(behind(writer, [add(number) for number in range(20)]))
     assert results == [10 * number for number in range(20)]
     assert numbers(database) == list(range(20))
-    assert len(commits) == 2  # the one that held the others up, and the others
+    assert groups == [1, 20]  # the one that held the others up, and the others
+    assert writer.waiting == 0
 
 
-def test_a_group_has_a_greatest_size(database: Database, writer: GroupWriter) -> None:
-    commits = count_commits(database.writer)
+def test_a_group_has_a_greatest_size(
+    database: Database, writer: GroupWriter, groups: list[int]
+) -> None:
     asyncio.run(behind(writer, [add(number) for number in range(GROUP_MAX + 1)]))
-    assert len(commits) == 3
+    assert groups == [1, GROUP_MAX, 1]
     assert len(numbers(database)) == GROUP_MAX + 1
 
 
