@@ -424,7 +424,7 @@ MALFORMED = [
     case("a number of 5,000 digits", b'{"seq": ' + b"1" * 5000 + b"}", "malformed_json"),
     case("100,000 brackets", b"[" * 100_000, "malformed_json"),
     case("100,000 brackets closed", b"[" * 100_000 + b"]" * 100_000, "malformed_json"),
-    case("100,000 braces", b'{"a":' * 100_000 + b"1" + b"}" * 100_000, "malformed_json"),
+    case("40,000 braces", b'{"a":' * 40_000 + b"1" + b"}" * 40_000, "malformed_json"),
     case("half of UTF-16", '{"pose": {}}'.encode("utf-16")[:-3], "malformed_request"),
 ]
 
