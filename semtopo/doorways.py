@@ -15,7 +15,7 @@ from typing import TypeAlias
 import numpy as np
 import shapely
 
-from semtopo.geometry import NO_AREA, Polygons, Region, union
+from semtopo.geometry import NO_AREA, Polygons, Region, apart, union
 from semtopo.scan import Scan
 from semtopo.strips import Strips
 from semtopo.types import NOWHERE, Flags, Floats, Integers, SeenName
@@ -240,7 +240,7 @@ def _arrive(
     regions = [*(door.region for door in movers), *pieces]
     if not regions:
         return
-    for part in shapely.get_parts(union(np.array(regions, dtype=np.object_))):
+    for part in apart(union(np.array(regions, dtype=np.object_))):
         if part.area > NO_AREA:
             within = [door for door in movers if door.region.intersects(part)]
             since = min((door.since for door in within), default=seq)

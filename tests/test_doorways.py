@@ -150,6 +150,14 @@ def test_parts_of_one_doorway_become_one_and_numbers_are_not_used_again() -> Non
     assert keys(later) == [("a", "b", 0), ("a", "b", 2)]
 
 
+def test_pieces_that_touch_at_a_corner_are_one_doorway() -> None:
+    """Also where a known one takes up one of them: nothing is found and gone in the same step."""
+    known = grown(Doorways(), "a", "b", pieces(box(2, 2, 3, 3)), 1)
+    whole = grown(known, "a", "b", pieces(box(0, 0, 1, 1), box(1, 1, 2.5, 2.5)), 2)
+    assert keys(whole) == [("a", "b", 0)]
+    assert dict(whole.former) == {}
+
+
 def test_two_doors_are_two_doorways() -> None:
     walk = [(1.5, 3.5), (7.5, 3.5), (1.5, 1.5), (7.5, 1.5)]
     *_, last = explore(drawn(TWO_DOORS), FINE, walk)
