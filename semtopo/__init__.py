@@ -36,6 +36,8 @@ Readings of the paper, where it is silent or misprinted; each is cited at its li
     R14  one label is one zone
     R15  edges: to every zone `seen`, or only between zones `adjacent` along beams: both beams of a
          strip must lead from the one to the other, since one alone may slip through a wall
+    R16  sensing: at samples, or `exact`: a beam belongs to a zone from where it enters to where it
+         leaves, and no border point stands on a straight wall but where its kind changes
 """
 
 from semtopo.answers import Answer, History, answer, answer_question, understand

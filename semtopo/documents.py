@@ -21,7 +21,7 @@ from pydantic import (
 from semtopo.errors import InvalidWorldError
 from semtopo.runs import LabelledRuns
 from semtopo.sensor import Sensor
-from semtopo.types import Edges, Identity, Kind, MappingOptions, Passages, Pose
+from semtopo.types import Edges, Identity, Kind, MappingOptions, Passages, Pose, Sensing
 from semtopo.world import World, WorldZone
 
 COORDINATE_MAX = 1e6  # m; a float still resolves 1e-10 m there
@@ -123,6 +123,7 @@ class MappingDocument(Document):
     edges: Literal["seen", "adjacent"] = "seen"
     passages: Literal["first", "all"] = "first"
     identity: Literal["label", "instance"] = "label"
+    sensing: Literal["sampled", "exact"] = "sampled"
     min_zone_area: Annotated[Number, Field(ge=0, le=COORDINATE_MAX)] = 0.0
 
     def value(self) -> MappingOptions:
@@ -131,6 +132,7 @@ class MappingDocument(Document):
             edges=Edges(self.edges),
             passages=Passages(self.passages),
             identity=Identity(self.identity),
+            sensing=Sensing(self.sensing),
             min_zone_area=self.min_zone_area,
         )
 

@@ -15,8 +15,8 @@ from semtopo.graph import Event, TopologyGraph
 from semtopo.metric import MetricMap
 from semtopo.placement import place
 from semtopo.scan import Scan, analyse
-from semtopo.sensor import Sensor, measure
-from semtopo.types import MappingOptions, Point
+from semtopo.sensor import Sensor, measure, trace
+from semtopo.types import MappingOptions, Point, Sensing
 from semtopo.world import World
 from semtopo.zones import extract
 
@@ -67,12 +67,15 @@ def scan_world(
     sensor: Sensor,
     position: Point,
     ended: Callable[[Stage], None] = _unobserved,
+    *,
+    sensing: Sensing = Sensing.SAMPLED,
 ) -> Scan:
-    """Return what a simulated sensor sees at a position in m (Alg. 2, l. 2-34).
+    """Return what a simulated sensor sees at a position in m (Alg. 2, l. 2-34; R16).
 
     `ended` is called with each stage as it ends.
     """
-    measurement = measure(world, sensor, position)
+    look = trace if sensing is Sensing.EXACT else measure
+    measurement = look(world, sensor, position)
     ended(Stage.MEASUREMENT)
     scan = analyse(measurement)
     ended(Stage.ANALYSIS)
@@ -114,4 +117,6 @@ def explore(
     world: World, sensor: Sensor, path: Iterable[Point], options: MappingOptions | None = None
 ) -> Iterator[Step]:
     """Drive a simulated robot along a path of positions in m, and yield each step (Alg. 1)."""
-    return run((scan_world(world, sensor, position) for position in path), options)
+    sensing = (options or MappingOptions()).sensing
+    scans = (scan_world(world, sensor, position, sensing=sensing) for position in path)
+    return run(scans, options)

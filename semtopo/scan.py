@@ -13,7 +13,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from semtopo.sensor import Measurement
+from semtopo.sensor import Measurement, Trace
 from semtopo.types import NOWHERE, Bytes, Flags, Floats, Integers, Kind, Occupancy, Point
 
 
@@ -45,7 +45,8 @@ class Scan:
     """What one scan says about the spaces around the robot (U_r).
 
     `directions` (beams, 2) are unit vectors, in order of bearing; `ring` says whether the last
-    beam is a neighbour of the first. `labels` are what the label indices stand for.
+    beam is a neighbour of the first. `labels` are what the label indices stand for. In an `exact`
+    scan, intervals end where surfaces do (R16).
     """
 
     position: Point
@@ -53,6 +54,7 @@ class Scan:
     ring: bool
     labels: tuple[str, ...]
     intervals: Intervals
+    exact: bool = False
 
     def points(self, intervals: Integers | Flags | slice, radii: Floats) -> Floats:
         """Return the points (n, 2) at distances on the beams of the chosen intervals, in m."""
@@ -147,13 +149,27 @@ def _sources(runs: Runs, starts: Flags, before: Integers) -> Integers:
     return np.where(runs.kind[source] == Kind.SPACE, runs.label[source], NOWHERE)
 
 
-def analyse(measurement: Measurement) -> Scan:
+def analyse(measurement: Measurement | Trace) -> Scan:
     """Reduce a measurement to its characteristic points (Alg. 2, l. 8-34)."""
     sensor, surfaces = measurement.sensor, measurement.surfaces
+    if isinstance(measurement, Trace):
+        runs, exact = _traced_runs(measurement), True
+    else:
+        runs, exact = _sampled_runs(measurement), False
     return Scan(
         measurement.position, sensor.directions, ring=True, labels=surfaces.labels,
-        intervals=beam_rule(_sampled_runs(measurement)),
+        intervals=beam_rule(runs), exact=exact,
     )  # fmt: skip
+
+
+def _traced_runs(seen: Trace) -> Runs:
+    """Return the runs of exact beams: pieces that are alike joined."""
+    kind, label = seen.surfaces.kind[seen.surface], seen.surfaces.label[seen.surface]
+    differs = np.ones(len(kind) + 1, dtype=np.bool_)
+    differs[1:-1] = (seen.beam[1:] != seen.beam[:-1]) | (kind[1:] != kind[:-1])
+    differs[1:-1] |= (kind[1:] == Kind.SPACE) & (label[1:] != label[:-1])
+    first, last = np.flatnonzero(differs[:-1]), np.flatnonzero(differs[1:])
+    return Runs(seen.beam[first], kind[first], label[first], seen.near[first], seen.far[last])
 
 
 def _sampled_runs(measurement: Measurement) -> Runs:

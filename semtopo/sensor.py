@@ -1,4 +1,4 @@
-"""The sensor U_s and its measurement U_xy (Alg. 2, l. 2-7).
+"""The sensor U_s and its measurement U_xy (Alg. 2, l. 2-7), at samples or exactly.
 
 In come a world and a position; out goes what each sample of each beam meets. This room does not
 judge what it meets: that is `scan`.
@@ -15,6 +15,12 @@ from semtopo.errors import InvalidPoseError, InvalidSensorError
 from semtopo.types import Bytes, Floats, Integers, Point
 from semtopo.window import Offsets
 from semtopo.world import Surfaces, World
+
+CROSSINGS_MAX = 2**21
+"""Beams times lines: cut in half a second."""
+
+NO_LENGTH = 1e-12
+"""m; so short is a piece of a beam through a corner, up to rounding."""
 
 
 @dataclass(frozen=True)
@@ -86,6 +92,65 @@ class Measurement:
         return np.asarray(self.position) + offsets.reshape(*self.surface.shape, 2)
 
 
+@dataclass(frozen=True, slots=True, eq=False)
+class Trace:
+    """What beams met, exactly: stretches of them, sorted by beam and then outwards; (runs,) each.
+
+    `near` and `far` are distances from the robot in m, `surface` an index into the `surfaces`.
+    """
+
+    sensor: Sensor
+    position: Point
+    surfaces: Surfaces
+    beam: Integers
+    surface: Integers
+    near: Floats
+    far: Floats
+
+
+def trace(world: World, sensor: Sensor, position: Point) -> Trace:
+    """Find where every beam crosses from one surface to another (R16).
+
+    The position is in m, map frame. Beams are cut at the lines on which edges of the world lie;
+    each piece is of one surface, which is read in its middle.
+
+    Raises
+    ------
+    InvalidPoseError
+        The position is not finite.
+    InvalidSensorError
+        More edges are in reach of more beams than a step should take.
+    """
+    _check(position)
+    lines = world.edges_around(position, sensor.range)
+    if (len(lines[0]) + len(lines[1])) * sensor.beams > CROSSINGS_MAX:
+        raise InvalidSensorError("too many edges of the world are in reach of exact beams")
+    ends = _cuts(sensor, position, lines)
+    near, far = ends[:, :-1], ends[:, 1:]
+    beam, piece = np.nonzero(far - near > NO_LENGTH)
+    near, far = near[beam, piece], far[beam, piece]
+    middle = (near + far) / 2
+    east, north = sensor.directions[beam].T
+    surface = world.read_around(position, Offsets.of(middle * east, middle * north, sensor.range))
+    return Trace(sensor, position, world.surfaces, beam, surface, near, far)
+
+
+def _cuts(sensor: Sensor, position: Point, lines: tuple[Floats, Floats]) -> Floats:
+    """Return the distances at which each beam is cut by lines x = and y =, (beams, cuts).
+
+    They ascend from 0 to the range, which stands for all cuts out of reach, too.
+    """
+    cuts = np.empty((sensor.beams, len(lines[0]) + len(lines[1]) + 2))
+    cuts[:, 0], cuts[:, 1] = 0.0, sensor.range
+    split = 2 + len(lines[0])
+    with np.errstate(divide="ignore", invalid="ignore"):
+        np.divide(lines[0] - position[0], sensor.directions[:, :1], out=cuts[:, 2:split])
+        np.divide(lines[1] - position[1], sensor.directions[:, 1:], out=cuts[:, split:])
+    cuts[~((cuts >= 0) & (cuts <= sensor.range))] = sensor.range
+    cuts.sort(axis=1)
+    return cuts
+
+
 def measure(world: World, sensor: Sensor, position: Point) -> Measurement:
     """Read the world at every sample of every beam (Alg. 2, l. 2-7).
 
@@ -96,9 +161,14 @@ def measure(world: World, sensor: Sensor, position: Point) -> Measurement:
     InvalidPoseError
         The position is not finite.
     """
-    if not all(map(math.isfinite, position)):
-        raise InvalidPoseError("a position needs finite x and y")
+    _check(position)
     surface = world.read_around(position, sensor.offsets)  # Alg. 2, l. 5-6
     return Measurement(
         sensor, position, world.surfaces, surface.reshape(sensor.beams, sensor.samples)
     )
+
+
+def _check(position: Point) -> None:
+    """Refuse a position that is not finite."""
+    if not all(map(math.isfinite, position)):
+        raise InvalidPoseError("a position needs finite x and y")

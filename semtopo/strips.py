@@ -20,7 +20,10 @@ from shapely import MultiPolygon, Polygon
 
 from semtopo.geometry import NO_AREA, Polygons, Region, union
 from semtopo.scan import Scan
-from semtopo.types import Floats, Integers
+from semtopo.types import Bytes, Floats, Integers
+
+IN_LINE = 1e-9
+"""m; so near to the line between its neighbours, a point is no corner."""
 
 SAME_DIRECTION = 1e-5
 """rad; so near to each other, the first and the last beam of a scan may overlap."""
@@ -98,15 +101,35 @@ class Strips:
 
     def _outline(self, intervals: Integers, closed: bool) -> Polygon:  # noqa: FBT001 -- one of a pair
         """Return the polygon around the strips between intervals."""
-        spans, far = self.scan.intervals, self.far[intervals]
+        spans = self.scan.intervals
+        far, far_why = self.far[intervals], spans.far_occupancy[intervals]
+        near, near_why = self.near[intervals], spans.near_occupancy[intervals]
         from_robot = spans.near[intervals[0]] == 0
         if closed:
-            return Polygon(far, None if from_robot else [self.near[intervals]])
+            holes = None if from_robot else [self._cornered(near, near_why)]
+            return Polygon(self._cornered(far, far_why), holes)
         if from_robot:
-            return Polygon(np.concatenate([far, [self.scan.position]]))
-        back = intervals[::-1]
-        back = back[spans.near[back] < spans.far[back]]
-        return Polygon(np.concatenate([far, self.near[back]]))
+            back, back_why = np.array([self.scan.position]), near_why[:1]
+        else:
+            extended = (spans.near[intervals] < spans.far[intervals])[::-1]
+            back, back_why = near[::-1][extended], near_why[::-1][extended]
+        around, why = np.concatenate([far, back]), np.concatenate([far_why, back_why])
+        return Polygon(self._cornered(around, why))
+
+    def _cornered(self, ring: Floats, occupancy: Bytes) -> Floats:
+        """Return an open ring, without the points on straight walls in an exact scan (R16).
+
+        There they stand in a line, up to rounding; where one kind of border meets another, the
+        point stays.
+        """
+        if not self.scan.exact:
+            return ring
+        before, after = np.roll(ring, 1, axis=0), np.roll(ring, -1, axis=0)
+        (x, y), (along_x, along_y) = (ring - before).T, (after - before).T
+        off = np.abs(x * along_y - y * along_x) > IN_LINE * np.hypot(along_x, along_y)
+        off |= (occupancy != np.roll(occupancy, 1)) | (occupancy != np.roll(occupancy, -1))
+        kept: Floats = ring[off]
+        return kept
 
 
 def _followed(left: Integers, right: Integers, after: Integers) -> Iterator[tuple[Integers, bool]]:

@@ -70,6 +70,13 @@ class Identity(StrEnum):
     INSTANCE = "instance"
 
 
+class Sensing(StrEnum):
+    """How a simulated sensor looks: at samples, or at all that its beams cross (R16)."""
+
+    SAMPLED = "sampled"
+    EXACT = "exact"
+
+
 @dataclass(frozen=True, slots=True)
 class Pose:
     """Where a robot stands and looks: x, y in m, theta in rad, counter-clockwise from +x.
@@ -100,8 +107,9 @@ class MappingOptions:
     """How a session maps; the defaults are the paper's behaviour.
 
     `edges` says which zones are linked (R15), `passages` how many passages lead from one to
-    another (R10), `identity` what makes places one zone (R14); `min_zone_area` in m^2 says below
-    which size a zone of one scan is passed over (R9).
+    another (R10), `identity` what makes places one zone (R14); `sensing` how a simulated sensor
+    looks (R16); `min_zone_area` in m^2 says below which size a zone of one scan is passed over
+    (R9).
 
     Raises
     ------
@@ -112,6 +120,7 @@ class MappingOptions:
     edges: Edges = Edges.SEEN
     passages: Passages = Passages.FIRST
     identity: Identity = Identity.LABEL
+    sensing: Sensing = Sensing.SAMPLED
     min_zone_area: float = 0.0
 
     def __post_init__(self) -> None:
@@ -124,4 +133,9 @@ class MappingOptions:
             raise InvalidOptionError("min_zone_area must be a finite number of m^2, at least 0")
 
 
-_CHOICES: dict[str, type[StrEnum]] = {"edges": Edges, "passages": Passages, "identity": Identity}
+_CHOICES: dict[str, type[StrEnum]] = {
+    "edges": Edges,
+    "passages": Passages,
+    "identity": Identity,
+    "sensing": Sensing,
+}

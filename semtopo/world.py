@@ -125,6 +125,19 @@ class World:
             return self._read(np.stack([x, y], axis=-1))
         return window.read(centre, offsets)
 
+    def edges_around(self, centre: Point, reach: float) -> tuple[Floats, Floats]:
+        """Return the x and the y of all edges that lie in reach of a centre, each once."""
+        window = self.window(centre, reach)
+        if window is not None:
+            lines = window.x.edges, window.y.edges
+        else:
+            square = np.array([np.subtract(centre, reach), np.add(centre, reach)])
+            numbers = self._zones_near(square)
+            corners = np.concatenate([self._low[numbers], self._high[numbers]])
+            lines = np.unique(corners[:, 0]), np.unique(corners[:, 1])
+        x, y = lines
+        return x[np.abs(x - centre[0]) <= reach], y[np.abs(y - centre[1]) <= reach]
+
     def window(self, centre: Point, reach: float) -> Window | None:
         """Return the window in whose middle third a centre lies; `None` if it would be too large.
 

@@ -186,7 +186,7 @@ def _zones(strips: Strips, options: MappingOptions) -> tuple[list[Zone], Integer
         large = [(place, mine) for place, mine in places if place.area > options.min_zone_area]
         for part, (place, mine) in enumerate(large):
             owner[mine] = len(zones)
-            whole = place is region and strips.are_chains(chosen)
+            whole = place is region and strips.are_chains(chosen) and not strips.scan.exact
             points = border if whole else border.on(place)
             zones.append(Zone(labels[number], place, points, part))
     return zones, owner

@@ -23,7 +23,7 @@ from semtopo.documents import SensorDocument
 from semtopo.errors import InvalidOptionError, SemtopoError
 from semtopo.formats.fault import describe_fault
 from semtopo.sensor import Sensor
-from semtopo.types import Edges, Identity, MappingOptions, Passages
+from semtopo.types import Edges, Identity, MappingOptions, Passages, Sensing
 from service.folder import read_folder
 from service.mapping_run import (
     Drive,
@@ -99,6 +99,16 @@ def _semtopo(
     """Semantic and topological maps for robots: zones, a graph and routes."""
 
 
+PassagesOption = Annotated[Passages, typer.Option(help="Between two zones: the first, or all.")]
+IdentityOption = Annotated[
+    Identity, typer.Option(help="What is one zone: a label, or each place of it.")
+]
+FramesOption = Annotated[
+    Form | None, typer.Option(help="A picture for each change of the graph.")
+]
+SensingOption = Annotated[Sensing, typer.Option(help="At samples, or where beams cross walls.")]
+
+
 @app.command("map")
 def map_drive(  # noqa: PLR0913 -- one parameter for each option
     *,
@@ -114,25 +124,28 @@ def map_drive(  # noqa: PLR0913 -- one parameter for each option
     ] = None,
     samples: Annotated[int | None, typer.Option(help="On each beam.", show_default="20")] = None,
     edges: Annotated[Edges, typer.Option(help="Which zones are linked.")] = Edges.SEEN,
-    passages: Annotated[
-        Passages, typer.Option(help="Between two zones: the first, or all.")
-    ] = Passages.FIRST,
-    identity: Annotated[
-        Identity, typer.Option(help="What is one zone: a label, or each place of it.")
-    ] = Identity.LABEL,
+    passages: PassagesOption = Passages.FIRST,
+    identity: IdentityOption = Identity.LABEL,
+    sensing: FramesOption = Annotated[
+    Form | None, typer.Option(help="A picture for each change of the graph.")
+]
+SensingOption = Sensing.SAMPLED,
     min_zone_area: Annotated[float, typer.Option(help="In m^2.")] = 0.0,
-    frames: Annotated[
-        Form | None, typer.Option(help="A picture for each change of the graph.")
-    ] = None,
+    frames: FramesOption = None,
     animation: Annotated[Path | None, typer.Option(help="A .gif or .webp to write.")] = None,
 ) -> None:
     """Map a simulated drive through WORLD along PATH, or a real one recorded in --scans."""
     started = perf_counter()
     extras = Extras(frames, animation)
     options = MappingOptions(
-        edges=edges, passages=passages, identity=identity, min_zone_area=min_zone_area
+        edges=edges,
+        passages=passages,
+        identity=identity,
+        sensing=sensing,
+        min_zone_area=min_zone_area,
     )
-    drive = _drive(world, path, scans, {"beams": beams, "range": sensor_range, "samples": samples})
+    given = {"beams": beams, "range": sensor_range, "samples": samples}
+    drive = _drive(world, path, scans, given, sensing)
     steps = _with_progress(timed_steps(drive.looks, options), drive.count)
     state = write_map(steps, drive.count, out, extras)
     seconds = perf_counter() - started
@@ -143,7 +156,11 @@ def map_drive(  # noqa: PLR0913 -- one parameter for each option
 
 
 def _drive(
-    world: Path | None, path: Path | None, scans: Path | None, sensor: dict[str, float | None]
+    world: Path | None,
+    path: Path | None,
+    scans: Path | None,
+    sensor: dict[str, float | None],
+    sensing: Sensing,
 ) -> Drive:
     """Return the drive that the arguments speak of."""
     given = {name: value for name, value in sensor.items() if value is not None}
@@ -153,7 +170,7 @@ def _drive(
         return recorded_drive(scans)
     if world is None or path is None:
         raise InvalidOptionError("expected WORLD and PATH, or --scans")
-    return simulated_drive(world, path, _sensor(given))
+    return simulated_drive(world, path, _sensor(given), sensing)
 
 
 def _sensor(given: dict[str, Any]) -> Sensor:

@@ -137,7 +137,8 @@ class HotSession:
             return scan
         if self.world is None:
             raise NoWorldError("this session has no world to sense, so a step needs a scan")
-        return scan_world(self.world, self.sensor, pose.position, watch.ended)
+        sensing = self.options.sensing
+        return scan_world(self.world, self.sensor, pose.position, watch.ended, sensing=sensing)
 
 
 def entity_tag(session: int, seq: int) -> str:

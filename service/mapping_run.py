@@ -25,7 +25,7 @@ from semtopo.render.drawing import Drawing, thinned_trail
 from semtopo.runs import LabelledRuns, from_runs
 from semtopo.scan import Scan
 from semtopo.sensor import Sensor
-from semtopo.types import MappingOptions, Point, Pose
+from semtopo.types import MappingOptions, Point, Pose, Sensing
 from service.films import FRAME, Film, animation_of, check_animation, write_frames
 from service.painting import Form
 from service.stopwatch import Stopwatch
@@ -54,13 +54,14 @@ class TimedStep:
     timings_ms: dict[str, float]
 
 
-def simulated_drive(world_file: Path, path_file: Path, sensor: Sensor) -> Drive:
+def simulated_drive(world_file: Path, path_file: Path, sensor: Sensor, sensing: Sensing) -> Drive:
     """Return the drive of a simulated robot along a path through a world."""
     with naming(world_file):
         world = read_world(world_file.read_bytes())
     with naming(path_file):
         path = read_path(path_file.read_bytes())
-    looks = [(pose.position, partial(scan_world, world, sensor, pose.position)) for pose in path]
+    look = partial(scan_world, world, sensor, sensing=sensing)
+    looks = [(pose.position, partial(look, pose.position)) for pose in path]
     return Drive(len(path), looks)
 
 

@@ -10,7 +10,7 @@ import httpx2
 import pytest
 from pydantic import BaseModel
 
-from semtopo.documents import WorldDocument
+from semtopo.documents import MappingDocument, WorldDocument
 from service.schemas.answers import RouteAnswer
 from service.schemas.live import SightAnswer, TrailAnswer
 from service.schemas.maps import BordersAnswer, DoorwaysAnswer, GraphAnswer, ZonesAnswer
@@ -90,7 +90,8 @@ def test_a_session_begins_empty(server: Server) -> None:
     assert answer.headers["Location"] == f"/sessions/{body['id']}"
     assert (body["name"], body["seq"]) == ("ours", 0)
     assert body["sensor"] == {"beams": 72, "range": 2.0, "samples": 20}
-    assert body["mapping"] == {"edges": "seen", "min_zone_area": 0.0}
+    assert body["mapping"] == MappingDocument().model_dump()
+    assert (body["mapping"]["edges"], body["mapping"]["min_zone_area"]) == ("seen", 0.0)
     assert body["world"] == {"name": "corridor loop with four rooms", "zones": 10}
     path = answer.headers["Location"]
     assert server.client.get(path).json() == body
