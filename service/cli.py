@@ -103,9 +103,7 @@ PassagesOption = Annotated[Passages, typer.Option(help="Between two zones: the f
 IdentityOption = Annotated[
     Identity, typer.Option(help="What is one zone: a label, or each place of it.")
 ]
-FramesOption = Annotated[
-    Form | None, typer.Option(help="A picture for each change of the graph.")
-]
+FramesOption = Annotated[Form | None, typer.Option(help="A picture for each change of the graph.")]
 SensingOption = Annotated[Sensing, typer.Option(help="At samples, or where beams cross walls.")]
 
 
@@ -126,10 +124,7 @@ def map_drive(  # noqa: PLR0913 -- one parameter for each option
     edges: Annotated[Edges, typer.Option(help="Which zones are linked.")] = Edges.SEEN,
     passages: PassagesOption = Passages.FIRST,
     identity: IdentityOption = Identity.LABEL,
-    sensing: FramesOption = Annotated[
-    Form | None, typer.Option(help="A picture for each change of the graph.")
-]
-SensingOption = Sensing.SAMPLED,
+    sensing: SensingOption = Sensing.SAMPLED,
     min_zone_area: Annotated[float, typer.Option(help="In m^2.")] = 0.0,
     frames: FramesOption = None,
     animation: Annotated[Path | None, typer.Option(help="A .gif or .webp to write.")] = None,
