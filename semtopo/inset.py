@@ -23,15 +23,17 @@ SKIN = 1e-8
 """m; how much farther the inset stays from the border than asked. It keeps what touches in a point
 from being passable, and is far above what rounding does to coordinates."""
 
-SLACK = 0.03
-"""The share of the radius by which the inset may be too small: chords in place of arcs (0.1 %),
-GEOS's own, which drops shallow concavities (1 %), and simplification where there are very many
-vertices (2 %)."""
+SLACK = 0.05
+"""The share of the radius by which the inset may be too small: chords in place of arcs (0.1 %), and
+GEOS's own, which drops shallow concavities (1 %); where there are many vertices, coarser chords
+(2 %) and simplification (2 %) too."""
 
-_QUARTER = 16
-"""Chords in a quarter of a circle; they run outside of it, so that they keep the distance."""
+_QUARTER, _COARSE_QUARTER = 16, 4
+"""Chords in a quarter of a circle, for few and for many vertices; they run outside of it, so that
+they keep the distance."""
 
-_OUTSIDE = 1 / math.cos(math.pi / (4 * _QUARTER))
+_FEW = 2000
+"""Vertices with fine arcs: an arc has a vertex for each chord, and of many there are too many."""
 
 _SIMPLER = 0.0075
 """The share of the radius that a border of very many vertices may lose to simplification, twice."""
@@ -50,16 +52,18 @@ def inset(region: Region, radius: float) -> Region:
     if radius == 0 or shrunk.is_empty:
         return shrunk
     steps = _steps(shrunk, radius)
+    quarter = _QUARTER if shapely.get_num_coordinates(region) <= _FEW else _COARSE_QUARTER
     for distance in steps:
         if len(steps) > 1:
             shrunk = _simplified(shrunk, radius * _SIMPLER / len(steps))
-        shrunk = rounded(shrunk, distance)
+        shrunk = rounded(shrunk, distance, quarter)
     return _kept_off(shrunk, region, radius)
 
 
-def rounded(region: Region, distance: float) -> Region:
+def rounded(region: Region, distance: float, quarter: int = _QUARTER) -> Region:
     """Return a region inset by about a distance: GEOS may err by 1 % of it either way."""
-    return polygonal(shapely.buffer(region, -distance * _OUTSIDE, quad_segs=_QUARTER))
+    outside = distance / math.cos(math.pi / (4 * quarter))
+    return polygonal(shapely.buffer(region, -outside, quad_segs=quarter))
 
 
 def _steps(region: Region, radius: float) -> list[float]:

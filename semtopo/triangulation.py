@@ -19,8 +19,9 @@ from semtopo.types import Flags, Floats, Integers, Point
 WALL = -1
 """The twin of a half-edge with nothing beyond."""
 
-TOUCHING = 1e-11
-"""m; a point so near to a triangle counts as in it: what rounding does to coordinates of 10 km."""
+TOUCHING = 1e-9
+"""m; a point so near to a triangle counts as in it: ten times what rounding does to coordinates of
+1,000 km, and a tenth of what `inset` keeps clear."""
 
 STRAIGHT = 1e-12
 """m^2, twice the area of a triangle; a corner so flat counts as one: more corners do no harm."""
@@ -42,11 +43,12 @@ class Triangulation:
     corners: list[bool]
     parts: Integers
     sides: Floats
-    """Of each triangle, its three sides (3,) as lines a x + b y + c, distances in m: (n, 3, 3)."""
+    """Of each triangle, its three sides as lines a x + b y + c, distances in m: (n, 3, 3); x and y
+    count from the first of all points."""
 
     def locate(self, point: Point) -> list[int]:
         """Return the triangles that a point of the region lies in; on their sides, several."""
-        x, y = point
+        x, y = point[0] - self.points[0][0], point[1] - self.points[0][1]
         depths = (self.sides[..., 0] * x + self.sides[..., 1] * y + self.sides[..., 2]).min(axis=1)
         least = min(float(depths.max()), 0.0) - TOUCHING
         return [int(triangle) for triangle in np.flatnonzero(depths >= least)]
@@ -63,7 +65,7 @@ def triangulate(region: Region) -> Triangulation:
     return Triangulation(
         list(zip(*points.T.tolist(), strict=True)), origins.tolist(), following.tolist(),
         np.arange(count).reshape(-1, 3)[:, [2, 0, 1]].reshape(-1).tolist(), twins.tolist(),
-        _bends(points, origins, following, twins).tolist(), parts, _side_lines(corners),
+        _bends(points, origins, following, twins).tolist(), parts, _side_lines(corners - points[0]),
     )  # fmt: skip
 
 

@@ -128,6 +128,17 @@ def place(random: Random, region: Region) -> Point:
             return (x, y)
 
 
+def far_away(draw: Draw) -> Draw:
+    """Return regions as of `draw`, but where coordinates have the fewest digits to spare."""
+
+    def drawn(random: Random) -> Region:
+        region = affinity.translate(draw(random), 9.2e5, -9.7e5)
+        return polygonal(shapely.make_valid(region))
+
+    drawn.__name__ = f"far_{draw.__name__}"
+    return drawn
+
+
 def _anywhere(random: Random) -> Point:
     """Return a place in the square."""
     return (random.uniform(0, SIDE), random.uniform(0, SIDE))

@@ -18,7 +18,7 @@ from semtopo.freespace import SNAP, FreeSpace, Path
 from semtopo.geometry import Region, polygonal
 from semtopo.inset import SLACK
 from semtopo.types import Point
-from tests.regions import DRAWS, Draw, place
+from tests.regions import DRAWS, Draw, far_away, place, touching, turned_grid
 from tests.visibility import shortest_length, visibility_graph
 
 every_draw = pytest.mark.parametrize("draw", DRAWS, ids=lambda draw: draw.__name__)
@@ -195,20 +195,20 @@ def ends(random: Random, space: FreeSpace) -> tuple[Point, Point]:
     return one, other
 
 
-@every_draw
+@pytest.mark.parametrize("draw", [*DRAWS, far_away(turned_grid)], ids=lambda it: it.__name__)
 @pytest.mark.parametrize("radius", [0.0, 0.1])
 def test_paths_are_as_short_as_the_visibility_graph(draw: Draw, radius: float) -> None:
     spaces = (FreeSpace(draw(Random(seed)), radius) for seed in range(80))
     small = (one for one in spaces if 0 < shapely.get_num_coordinates(one.inset) < 400)
-    bends = [bend for space in islice(small, 5) for bend in compared(Random(1), space)]
-    assert len(bends) >= 8
+    bends = [bend for space in islice(small, 4) for bend in compared(Random(1), space)]
+    assert len(bends) >= 6
     assert sum(bend > 0 for bend in bends) >= 2
 
 
 def compared(random: Random, space: FreeSpace) -> Iterator[int]:
     """Compare some paths with the oracle's; yield how often each bends."""
     graph = visibility_graph(space.inset)
-    for _ in range(6):
+    for _ in range(10):
         start, goal = ends(random, space)
         best = shortest_length(graph, space.inset, start, goal)
         try:
@@ -217,9 +217,17 @@ def compared(random: Random, space: FreeSpace) -> Iterator[int]:
             assert best is None
             continue
         check(space, path)
-        assert path.points[0] == pytest.approx(start, abs=1e-12)
+        assert path.points[0] == pytest.approx(start, rel=0, abs=1e-9)
+        assert path.points[-1] == pytest.approx(goal, rel=0, abs=1e-9)
         assert path.length == pytest.approx(best, abs=1e-7)
         yield len(path.points) - 2
+
+
+def test_what_lies_straight_ahead_is_not_missed() -> None:
+    """Two corners in line with the start: rounding puts the second behind neither side."""
+    space = FreeSpace(touching(Random(1021)))
+    length = space.distance((6, 9), (9.521493320005886, 1.4785066799941136))
+    assert length == pytest.approx(7 * math.sqrt(2) + 0.7375, abs=1e-3)
 
 
 @every_draw
