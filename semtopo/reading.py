@@ -72,6 +72,12 @@ def _loosened(name: str) -> str:
     return "".join(chr(code - _PRIVATE if code in private else code) for code in codes)
 
 
+def prepare() -> None:
+    """Make the parser ready for questions of every kind, so that the first need not wait for it."""
+    for example in EXAMPLES.values():
+        parse(example)
+
+
 def parse(text: str) -> Question:
     """Return what a sentence asks.
 

@@ -17,6 +17,7 @@ from fastapi import FastAPI
 from fastapi.staticfiles import StaticFiles
 
 from semtopo import InvalidOptionError
+from semtopo.reading import prepare
 from service import problems
 from service.database import Database, open_database
 from service.edge import BodyLimit
@@ -128,6 +129,7 @@ async def _lifespan(app: FastAPI) -> AsyncIterator[None]:
     app.state.steps = Steps(app.state.sessions, app.state.feeds, settings, metrics)
     app.state.maps = Maps(app.state.sessions, settings)
     app.state.pictures = Pictures(app.state.sessions, app.state.maps)
+    prepare()
     try:
         if settings.example is not None:
             await make_example(app.state.sessions, app.state.steps, settings.example)

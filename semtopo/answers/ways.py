@@ -16,7 +16,7 @@ from semtopo.answers.values import (
     PathAnswer,
 )
 from semtopo.atlas import Atlas
-from semtopo.errors import NoRouteError
+from semtopo.errors import NearestFrontier, NoRouteError
 from semtopo.phrases import TOLD_MAX, at, capitalised, counted, listed
 from semtopo.questions import (
     ConnectionQuestion,
@@ -98,14 +98,22 @@ def _one_route(atlas: Atlas, start: Place, leg: Leg) -> Route:
     try:
         return find_routes(atlas, request)[0]
     except NoRouteError as gap:
+        frontier = _known_frontier(atlas, gap)
         raise NoRouteError(
-            _refusal(request, gap),
+            _refusal(request, gap, None if gap.restricted else frontier),
             reachable=gap.reachable,
             reaching=gap.reaching,
             missing=gap.missing,
-            frontier=gap.frontier,
+            frontier=frontier,
             restricted=gap.restricted,
         ) from None
+
+
+def _known_frontier(atlas: Atlas, gap: NoRouteError) -> NearestFrontier | None:
+    """Return the frontier of a gap; in a map without borders, none is known."""
+    if gap.frontier is None or len(atlas.state.metric.zones[gap.frontier.zone_id].border.xy) == 0:
+        return None
+    return gap.frontier
 
 
 def _joined(legs: Sequence[Route]) -> Route:
@@ -135,14 +143,14 @@ def _described(route: Route) -> str:
     return capitalised(f"{', then '.join(told)}: {extent}.")
 
 
-def _refusal(request: RouteRequest, gap: NoRouteError) -> str:
+def _refusal(request: RouteRequest, gap: NoRouteError, frontier: NearestFrontier | None) -> str:
     """Say why there is no way, with all that is known of the gap."""
     start = request.start.zone_id
     goal = listed([place.zone_id for place in request.goals], "or")
     via = f" via {listed(request.via)}" if request.via else ""
     avoiding = f" avoiding {listed(sorted(request.avoid_zones))}" if request.avoid_zones else ""
     what = f"There is no way from {start} to {goal}{via}{avoiding}{_reason(gap)}"
-    return " ".join([what, *_known_ways(start, goal, gap), *_way_out(gap)])
+    return " ".join([what, *_known_ways(start, goal, gap), *_way_out(frontier)])
 
 
 def _reason(gap: NoRouteError) -> str:
@@ -166,8 +174,8 @@ def _known_ways(start: str, goal: str, gap: NoRouteError) -> Iterator[str]:
     yield f"One reaches {goal} from {listed(before) if before else 'no other zone'}."
 
 
-def _way_out(gap: NoRouteError) -> Iterator[str]:
+def _way_out(frontier: NearestFrontier | None) -> Iterator[str]:
     """Say where exploring may help, if anywhere."""
-    if gap.frontier is not None:
-        where = f"{at(gap.frontier.point)} in {gap.frontier.zone_id}"
+    if frontier is not None:
+        where = f"{at(frontier.point)} in {frontier.zone_id}"
         yield f"The frontier nearest to closing the gap is {where}."

@@ -35,6 +35,7 @@ class ProblemAnswer(BaseModel):
     reaching: list[str] | None = None
     missing: MissingPassage | None = None
     frontier: NearestFrontier | None = None
+    restricted: bool | None = None
 
 
 def problems(*statuses: int) -> dict[int | str, dict[str, Any]]:
