@@ -46,9 +46,10 @@ def find_bottleneck(region: Region, start: Point, goal: Point, radius: float) ->
     wide, low, high = _part_of_both(inset(region, 0.0), start, goal), 0.0, radius
     if wide is None:
         return None
+    whole = wide
     while high - low > PRECISION * radius:
         middle = (low + high) / 2
-        part = _part_of_both(rounded(wide, middle - low), start, goal)
+        part = _part_of_both(rounded(whole, middle), start, goal)
         wide, low, high = (wide, low, middle) if part is None else (part, middle, high)
     return Bottleneck(_neck(wide, high - low, start, goal), 2 * low)
 

@@ -52,16 +52,16 @@ def inset(region: Region, radius: float) -> Region:
     if radius == 0 or shrunk.is_empty:
         return shrunk
     steps = _steps(shrunk, radius)
-    quarter = _QUARTER if shapely.get_num_coordinates(region) <= _FEW else _COARSE_QUARTER
     for distance in steps:
         if len(steps) > 1:
             shrunk = _simplified(shrunk, radius * _SIMPLER / len(steps))
-        shrunk = rounded(shrunk, distance, quarter)
+        shrunk = rounded(shrunk, distance)
     return _kept_off(shrunk, region, radius)
 
 
-def rounded(region: Region, distance: float, quarter: int = _QUARTER) -> Region:
+def rounded(region: Region, distance: float) -> Region:
     """Return a region inset by about a distance: GEOS may err by 1 % of it either way."""
+    quarter = _QUARTER if shapely.get_num_coordinates(region) <= _FEW else _COARSE_QUARTER
     outside = distance / math.cos(math.pi / (4 * quarter))
     return polygonal(shapely.buffer(region, -outside, quad_segs=quarter))
 
