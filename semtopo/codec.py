@@ -6,8 +6,8 @@ frame; polygons follow RFC 7946 (GeoJSON), but for the frame.
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Mapping
-from dataclasses import fields, is_dataclass
+from collections.abc import Collection, Iterable, Mapping
+from dataclasses import asdict, fields, is_dataclass
 from typing import Any, TypeAlias
 
 import numpy as np
@@ -16,6 +16,7 @@ import shapely
 from shapely import Polygon
 
 from semtopo.answers import Answer
+from semtopo.atlas import Limits, ZoneNotes
 from semtopo.errors import InvalidMapError
 from semtopo.geometry import Box, Region
 from semtopo.graph import (
@@ -42,21 +43,67 @@ def to_json(document: Document) -> bytes:
     return orjson.dumps(document, option=orjson.OPT_SERIALIZE_NUMPY)
 
 
-def zones_body(state: MapState, box: Box | None = None) -> bytes:
-    """Return the zones of a map, those that meet `box` if there is one, as GeoJSON."""
+def zones_body(
+    state: MapState, box: Box | None = None, notes: Mapping[str, ZoneNotes] | None = None
+) -> bytes:
+    """Return the zones of a map, those that meet `box` if there is one, as GeoJSON.
+
+    What people call a zone is said where it was noted, and only there.
+    """
     zones: Iterable[MappedZone] = state.metric.zones.values()
     if box is not None:
         window = shapely.box(*box)
         zones = [zone for zone in zones if zone.region.intersects(window)]
     features = [zone_feature(zone) for zone in zones]
+    for feature in features if notes else ():
+        feature["properties"] |= _noted(notes or {}, feature["id"])
     return to_json({"type": "FeatureCollection", "seq": state.seq, "features": features})
 
 
-def graph_body(graph: TopologyGraph, seq: int) -> bytes:
-    """Return a graph as it is after step `seq`: nodes, and edges with their passage points."""
-    nodes = [{"id": node.zone_id, "label": node.label} for node in graph.nodes.values()]
-    edges = [edge_document(edge) for edge in graph.passages.values()]
+def graph_body(
+    graph: TopologyGraph,
+    seq: int,
+    notes: Mapping[str, ZoneNotes] | None = None,
+    limits: Limits | None = None,
+) -> bytes:
+    """Return a graph as it is after step `seq`: nodes, and edges with their passage points.
+
+    What is noted, closed or has a factor says so, and only that.
+    """
+    known, limit = notes or {}, limits or Limits()
+    nodes = [
+        {
+            "id": node.zone_id,
+            "label": node.label,
+            **_noted(known, node.zone_id),
+            **_limited(node.zone_id, limit.closed_zones, limit.zone_factors),
+        }
+        for node in graph.nodes.values()
+    ]
+    edges = [
+        {
+            **edge_document(edge),
+            **_limited(edge.key, limit.closed_passages, limit.passage_factors),
+        }
+        for edge in graph.passages.values()
+    ]
     return to_json({"seq": seq, "nodes": nodes, "edges": edges})
+
+
+def _noted(notes: Mapping[str, ZoneNotes], zone_id: str) -> Document:
+    """Return what people call a zone: nothing where nothing is noted."""
+    noted = notes.get(zone_id)
+    if noted is None:
+        return {}
+    names = {"aliases": noted.aliases} if noted.aliases else {}
+    return {**names, "class": noted.zone_class} if noted.zone_class is not None else names
+
+
+def _limited(key: Any, closed: Collection[Any], factors: Mapping[Any, float]) -> Document:  # noqa: ANN401 -- a zone's key or a passage's
+    """Return what holds for a zone or a passage: nothing where nothing restricts it."""
+    factor = factors.get(key, 1.0)
+    shut = {"closed": True} if key in closed else {}
+    return {**shut, "factor": factor} if factor != 1 else shut
 
 
 def edge_document(edge: Passage) -> Document:
@@ -93,14 +140,25 @@ def passage_document(passage: Passage | PassageFound) -> Document:
 
 
 def route_document(route: Route) -> Document:
-    """Return a route: its zones, its passages with their points, its length in m."""
-    return {
+    """Return a route: its zones and passages, its length in m, its cost, its path if it has one."""
+    used = zip(route.zones, route.passages, strict=False)
+    passages = [
+        {
+            **passage_document(passage),
+            **({} if passage.source == zone_id else {"backwards": True}),
+        }
+        for zone_id, passage in used
+    ]
+    document = {
         "source": route.source,
         "target": route.target,
         "zones": route.zones,
-        "passages": [passage_document(passage) for passage in route.passages],
+        "passages": passages,
+        "points": route.points,
         "length": route.length,
+        "cost": route.cost,
     }
+    return document if route.path is None else {**document, "path": asdict(route.path)}
 
 
 def answer_document(answer: Answer) -> Document:

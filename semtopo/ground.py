@@ -8,6 +8,7 @@ path, because a zone is in pieces or a doorway was never crossed by two beams, t
 from __future__ import annotations
 
 import math
+from collections.abc import Sequence
 from dataclasses import dataclass, field
 from functools import cached_property, lru_cache
 from weakref import WeakKeyDictionary
@@ -99,3 +100,27 @@ def _doorways_by_zone(metric: MetricMap) -> dict[str, tuple[Doorway, ...]]:
         for end in dict.fromkeys(doorway.ends):
             found.setdefault(end, []).append(doorway)
     return {zone_id: tuple(doorways) for zone_id, doorways in found.items()}
+
+
+def zone_at(metric: MetricMap, point: Point, among: Sequence[str]) -> str | None:
+    """Return the zone, of some, in which a point in m lies; `None` if it is in none.
+
+    Doorways count to the zones at their ends. A zone goes before a doorway; of several, the first.
+    """
+    inside = shapely.intersects_xy([metric.zones[zone].region for zone in among], *point)
+    if len(among) and inside.any():
+        return among[int(np.argmax(inside))]
+    doors = _doorways_by_zone(metric)
+    for zone in among:
+        if any(shapely.intersects_xy(door.region, *point) for door in doors.get(zone, ())):
+            return zone
+    return None
+
+
+def nearest_ground(metric: MetricMap, point: Point, among: Sequence[str]) -> Point | None:
+    """Return the point of some zones that is nearest to a point in m; `None` if there are none."""
+    if not among:
+        return None
+    regions = [metric.zones[zone].region for zone in among]
+    apart = shapely.distance(regions, shapely.Point(point))
+    return nearest_point(regions[int(np.argmin(apart))], point)

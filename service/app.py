@@ -19,6 +19,7 @@ from fastapi.staticfiles import StaticFiles
 from semtopo import InvalidOptionError
 from semtopo.reading import prepare
 from service import problems
+from service.changes import Changes
 from service.database import Database, open_database
 from service.edge import BodyLimit
 from service.example import make_example
@@ -127,6 +128,7 @@ async def _lifespan(app: FastAPI) -> AsyncIterator[None]:
     app.state.sessions = Sessions(database, writer, settings, metrics)
     app.state.feeds = Feeds(app.state.sessions, settings, metrics)
     app.state.steps = Steps(app.state.sessions, app.state.feeds, settings, metrics)
+    app.state.changes = Changes(app.state.sessions)
     app.state.maps = Maps(app.state.sessions, settings)
     app.state.pictures = Pictures(app.state.sessions, app.state.maps)
     prepare()

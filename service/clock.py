@@ -8,3 +8,8 @@ from datetime import UTC, datetime
 def now() -> str:
     """Return the time: ISO 8601, UTC, milliseconds."""
     return datetime.now(UTC).isoformat(timespec="milliseconds")
+
+
+def seconds() -> float:
+    """Return the time in s since the epoch."""
+    return datetime.now(UTC).timestamp()

@@ -101,3 +101,27 @@ class StorageError(SemtopoError):
     """The database did not take the change; the same request may be sent again."""
 
     code: ClassVar[str] = "storage_unavailable"
+
+
+class NameTakenError(SemtopoError):
+    """An alias is the name of another zone already."""
+
+    code: ClassVar[str] = "name_taken"
+
+
+class UnknownPassageError(SemtopoError):
+    """The map has no such passage."""
+
+    code: ClassVar[str] = "unknown_passage"
+
+
+class UnknownRestrictionError(SemtopoError):
+    """The session has no such restriction, or it has been lifted or has expired."""
+
+    code: ClassVar[str] = "unknown_restriction"
+
+
+class NotesFullError(SemtopoError):
+    """A session has as many restrictions, or changes of names and restrictions, as it may."""
+
+    code: ClassVar[str] = "notes_full"

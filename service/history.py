@@ -9,7 +9,9 @@ from sqlalchemy import Connection
 
 from semtopo import LabelledRuns, MapState, Pose, PoseDocument, Scan, ScanDocument
 from service import store
+from service.clock import seconds
 from service.hot import HotSession
+from service.notes import Notes, epoch
 from service.stopwatch import Stopwatch
 
 
@@ -19,6 +21,13 @@ def state_at(connection: Connection, hot: HotSession, seq: int) -> MapState:
     for logged in store.list_steps(connection, hot.row.number, state.seq, seq - state.seq):
         state = _retaken(replace(hot, state=state), logged)
     return state
+
+
+def notes_at(connection: Connection, hot: HotSession, seq: int) -> tuple[Notes, float]:
+    """Return the notes as of step `seq`, which has been followed by another, and until when."""
+    notes = Notes().after(store.list_changes(connection, hot.row.number, up_to=seq))
+    following = store.find_time(connection, hot.row.number, seq + 1)
+    return notes, seconds() if following is None else epoch(following)
 
 
 def scan_at(connection: Connection, hot: HotSession, seq: int) -> tuple[Pose, Scan] | None:

@@ -8,7 +8,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterable
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 
 from sqlalchemy import Connection
 
@@ -34,12 +34,14 @@ from semtopo import (
 from semtopo.geometry import count_vertices
 from service import store
 from service.errors import MapFullError, NoWorldError, UnknownSessionError
+from service.notes import Notes
 from service.stopwatch import Stopwatch
 
 SESSION_BYTES = 5_000
 WORLD_ZONE_BYTES = 1_300
 MAP_ZONE_BYTES = 1_500
 DOORWAY_BYTES = 1_500
+NOTE_BYTES = 2_000
 POINT_BYTES = 20
 """What a session takes in memory, and in it a zone of its world, a zone of its map with its
 passages, a doorway with its own, and there a vertex or border point (measured: 1.2 kB, 1.3 kB,
@@ -69,6 +71,7 @@ class HotSession:
     """What the last step took of a processor; unknown before the first."""
     map_bytes: int = 0
     """About what the map takes in memory."""
+    notes: Notes = field(default_factory=Notes)
 
     @property
     def seq(self) -> int:
@@ -76,15 +79,21 @@ class HotSession:
         return self.state.seq
 
     @property
+    def version(self) -> tuple[int, int, int]:
+        """What it is known by: its number, its last step, and its number of changes."""
+        return (self.row.number, self.state.seq, self.notes.revision)
+
+    @property
     def tag(self) -> str:
-        """The entity tag of the map as it is (RFC 9110, 8.8.3)."""
+        """The entity tag of the map as it is, whatever is noted about it (RFC 9110, 8.8.3)."""
         return entity_tag(self.row.number, self.state.seq)
 
     @property
     def weight(self) -> int:
         """About what the session takes in memory, in bytes."""
         world = 0 if self.world is None else len(self.world.zones)
-        return SESSION_BYTES + WORLD_ZONE_BYTES * world + self.map_bytes
+        notes = NOTE_BYTES * (len(self.notes.zones) + len(self.notes.restrictions))
+        return SESSION_BYTES + WORLD_ZONE_BYTES * world + self.map_bytes + notes
 
     @property
     def is_light(self) -> bool:
@@ -141,9 +150,15 @@ class HotSession:
         return scan_world(self.world, self.sensor, pose.position, watch.ended, sensing=sensing)
 
 
-def entity_tag(session: int, seq: int) -> str:
-    """Return the entity tag of a session's map as of step `seq`."""
-    return f'"{session}-{seq}"'
+def entity_tag(session: int, seq: int, notes: str = "") -> str:
+    """Return the entity tag of a session's map as of step `seq`, with a version of its notes."""
+    return f'"{session}-{seq}{notes}"'
+
+
+def map_tag(tag: str) -> str:
+    """Return an entity tag without the version of notes: steps do not depend on them."""
+    number, dash, rest = tag.partition("-")
+    return f'{number}{dash}{rest.partition("-")[0]}"' if "-" in rest else tag
 
 
 def load(connection: Connection, session_id: str, known: HotSession | None) -> HotSession:
@@ -154,9 +169,13 @@ def load(connection: Connection, session_id: str, known: HotSession | None) -> H
     UnknownSessionError
         There is no session of that id.
     """
-    version = (known.row.number, known.state.seq) if known else None
-    if known is not None and store.find_version(connection, session_id) == version:
-        return known
+    if known is not None:
+        found = store.find_version(connection, session_id)
+        if found == known.version:
+            return known
+        if found is not None and found[:2] == known.version[:2]:
+            changes = store.list_changes(connection, found[0], after=known.notes.revision)
+            return replace(known, notes=known.notes.after(changes))
     row = store.find_session(connection, session_id)
     if row is None:
         raise UnknownSessionError("there is no session of that id")
@@ -165,7 +184,8 @@ def load(connection: Connection, session_id: str, known: HotSession | None) -> H
     options = MappingDocument.model_validate_json(row.mapping).value()
     state = store.load_state(connection, row)
     map_bytes = _bytes_of(state.metric.zones.values(), state.metric.doorways.values())
-    return HotSession(row, world, sensor, options, state, map_bytes=map_bytes)
+    notes = Notes().after(store.list_changes(connection, row.number) if row.revision else [])
+    return HotSession(row, world, sensor, options, state, map_bytes=map_bytes, notes=notes)
 
 
 def _bytes_of(zones: Iterable[MappedZone], doorways: Iterable[Doorway]) -> int:

@@ -22,8 +22,10 @@ from semtopo import (
 )
 from semtopo.codec import graph_body
 from semtopo.exports.sight import sight_body
-from service.history import scan_at, state_at
+from service.clock import seconds
+from service.history import notes_at, scan_at, state_at
 from service.hot import HotSession, entity_tag
+from service.notes import Notes
 from service.recent import Recent
 from service.sessions import Sessions
 from service.settings import Settings
@@ -37,6 +39,25 @@ class Body:
     tag: str
 
 
+@dataclass(frozen=True, slots=True, eq=False)
+class Moment:
+    """A session as of step `seq`, with its notes, and the time `now` in s since the epoch."""
+
+    hot: HotSession
+    seq: int
+    notes: Notes
+    now: float
+
+    @property
+    def tag(self) -> str:
+        """The entity tag of all that is shown of this moment (RFC 9110, 8.8.3)."""
+        return entity_tag(self.hot.row.number, self.seq, self.notes.version(self.now))
+
+    def atlas(self, state: MapState) -> Atlas:
+        """Return the map with its notes."""
+        return self.notes.atlas(state, self.now)
+
+
 class Maps:
     """The maps of all sessions, for those who read them."""
 
@@ -48,51 +69,52 @@ class Maps:
         )
 
     async def view(
-        self, session_id: str, at: int | None, kind: str, build: Callable[[MapState], bytes]
+        self, session_id: str, at: int | None, kind: str, build: Callable[[Atlas], bytes]
     ) -> Body:
         """Return what `build` makes of a map, now or as of step `at`; kept in memory by `kind`."""
         return await self.body(
-            session_id, at, kind, lambda _, state: asyncio.to_thread(build, state)
-        )
+            session_id, at, kind,
+            lambda moment, state: asyncio.to_thread(build, moment.atlas(state)),
+        )  # fmt: skip
 
     async def body(
         self,
         session_id: str,
         at: int | None,
         kind: str,
-        build: Callable[[HotSession, MapState], Awaitable[bytes]],
+        build: Callable[[Moment, MapState], Awaitable[bytes]],
     ) -> Body:
         """Return what `build` makes of a session and its map; kept in memory by `kind`."""
-        hot = await self._sessions.find(session_id)
-        tag = entity_tag(hot.row.number, _checked(at, hot))
-        body = self._bodies.get((tag, kind))
+        moment = await self.moment(session_id, at)
+        body = self._bodies.get((moment.tag, kind))
         if body is None:
-            body = Body(await build(hot, await self.state(hot, at)), tag)
-            self._bodies.put((tag, kind), body)
+            body = Body(await build(moment, await self._state(moment)), moment.tag)
+            self._bodies.put((moment.tag, kind), body)
         return body
 
     async def graph(self, session_id: str, at: int | None) -> Body:
         """Return the graph of a map: now, or as of step `at`."""
-        hot = await self._sessions.find(session_id)
-        seq = _checked(at, hot)
+        moment = await self.moment(session_id, at)
+        state, seq, notes = moment.hot.state, moment.seq, moment.notes.zones
         # passages are never moved nor removed, so an earlier graph is a part of this one
-        content = await asyncio.to_thread(lambda: graph_body(hot.state.graph.at(seq), seq))
-        return Body(content, entity_tag(hot.row.number, seq))
+        content = await asyncio.to_thread(
+            lambda: graph_body(state.graph.at(seq), seq, notes, moment.atlas(state).limits)
+        )
+        return Body(content, moment.tag)
 
     async def sight(self, session_id: str, at: int | None) -> Body:
         """Return what the robot saw at the last step, or at step `at`."""
-        hot = await self._sessions.find(session_id)
-        seq = _checked(at, hot)
-        seen = await self._sessions.read(partial(scan_at, hot=hot, seq=seq))
-        return Body(sight_body(seq, seen), entity_tag(hot.row.number, seq))
+        moment = await self.moment(session_id, at)
+        seen = await self._sessions.read(partial(scan_at, hot=moment.hot, seq=moment.seq))
+        return Body(sight_body(moment.seq, seen), moment.tag)
 
-    async def route(self, session_id: str, source: str, target: str) -> Route:
-        """Return the route between two zones, by their names."""
-        return await self.route_of((await self._sessions.find(session_id)).state, source, target)
+    async def atlas(self, session_id: str, at: int | None = None) -> Atlas:
+        """Return the map of a session with its notes: now, or as of step `at`."""
+        moment = await self.moment(session_id, at)
+        return moment.atlas(await self._state(moment))
 
-    async def route_of(self, state: MapState, source: str, target: str) -> Route:
+    async def route_of(self, atlas: Atlas, source: str, target: str) -> Route:
         """Return the route between two zones of a map, by their names."""
-        atlas = Atlas(state)
         request = RouteRequest(
             start=Place(resolve_one(atlas, source)),
             goals=tuple(map(Place, resolve(atlas, target))),
@@ -101,25 +123,25 @@ class Maps:
 
     async def answer(self, session_id: str, text: str) -> Answer:
         """Return the answer to a sentence; in the thread that it takes, it may read older maps."""
-        hot = await self._sessions.find(session_id)
+        moment = await self.moment(session_id, None)
 
         def history(seq: int) -> MapState:
-            return self._sessions.read_here(partial(state_at, hot=hot, seq=seq))
+            return self._sessions.read_here(partial(state_at, hot=moment.hot, seq=seq))
 
-        return await asyncio.to_thread(answer, Atlas(hot.state), text, history)
+        return await asyncio.to_thread(answer, moment.atlas(moment.hot.state), text, history)
 
-    async def state(self, hot: HotSession, at: int | None) -> MapState:
-        """Return the map of a session: now, or as of step `at`; raises UnknownStepError."""
-        seq = _checked(at, hot)
-        if seq == hot.seq:
-            return hot.state
-        return await self._sessions.read(partial(state_at, hot=hot, seq=seq))
+    async def moment(self, session_id: str, at: int | None) -> Moment:
+        """Return a session as it is, or as of step `at`; raises UnknownStepError."""
+        hot = await self._sessions.find(session_id)
+        seq = hot.seq if at is None else at
+        if seq > hot.seq:
+            raise UnknownStepError(f"the last step of this session is {hot.seq}")
+        if seq == hot.seq or not hot.notes.revision:
+            return Moment(hot, seq, hot.notes, seconds())
+        return Moment(hot, seq, *await self._sessions.read(partial(notes_at, hot=hot, seq=seq)))
 
-
-def _checked(at: int | None, hot: HotSession) -> int:
-    """Return the step that is asked for; raises UnknownStepError if it was not taken yet."""
-    if at is None:
-        return hot.seq
-    if at > hot.seq:
-        raise UnknownStepError(f"the last step of this session is {hot.seq}")
-    return at
+    async def _state(self, moment: Moment) -> MapState:
+        """Return the map at a moment."""
+        if moment.seq == moment.hot.seq:
+            return moment.hot.state
+        return await self._sessions.read(partial(state_at, hot=moment.hot, seq=moment.seq))

@@ -14,7 +14,7 @@ from fastapi import FastAPI
 _PROBLEM = {"application/problem+json": {"schema": {"$ref": "#/components/schemas/ProblemAnswer"}}}
 _RETRY_AFTER = {"Retry-After": {"description": "seconds", "schema": {"type": "string"}}}
 _CLIENT_ERROR = 400
-_METHODS = ("delete", "get", "post")
+_METHODS = ("delete", "get", "post", "put")
 
 
 class DescribedApi(FastAPI):

@@ -13,6 +13,7 @@ from fastapi import Header, Path, Query, Request
 
 from semtopo.documents import COORDINATE_MAX, LABEL_LENGTH_MAX
 from semtopo.geometry import Box
+from service.changes import Changes
 from service.errors import InvalidRequestError
 from service.feed import Feeds
 from service.maps import Maps
@@ -41,6 +42,12 @@ def steps_of(request: Request) -> Steps:
 def maps_of(request: Request) -> Maps:
     """Return the maps of the application."""
     found: Maps = request.app.state.maps
+    return found
+
+
+def changes_of(request: Request) -> Changes:
+    """Return the changes of the application."""
+    found: Changes = request.app.state.changes
     return found
 
 

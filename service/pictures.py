@@ -9,12 +9,11 @@ import asyncio
 from dataclasses import dataclass
 from functools import partial
 
-from semtopo import MapState
+from semtopo import Atlas, MapState
 from semtopo.render import render
 from semtopo.render.drawing import DEFAULT_LAYERS, Drawing, DrawnRoute, Layer, trail_stride
 from service import store
-from service.hot import HotSession
-from service.maps import Body, Maps
+from service.maps import Body, Maps, Moment
 from service.painter import Painter
 from service.painting import Form
 from service.sessions import Sessions
@@ -60,27 +59,30 @@ class Pictures:
             Too many pictures are asked for, or this one takes too long.
         """
         return await self._maps.body(
-            session_id, asked.at, asked.kind, lambda hot, state: self._drawn(hot, state, asked)
+            session_id,
+            asked.at,
+            asked.kind,
+            lambda moment, state: self._drawn(moment, state, asked),
         )
 
-    async def _drawn(self, hot: HotSession, state: MapState, asked: PictureRequest) -> bytes:
+    async def _drawn(self, moment: Moment, state: MapState, asked: PictureRequest) -> bytes:
         """Return the bytes of a picture."""
         query = partial(
             store.list_positions,
-            session=hot.row.number, seq=state.seq, stride=trail_stride(state.seq),
+            session=moment.hot.row.number, seq=state.seq, stride=trail_stride(state.seq),
         )  # fmt: skip
         drawing = Drawing(
             trail=await self._sessions.read(query),
             layers=asked.layers, width=asked.width, height=asked.height,
-            route=await self._route(state, asked),
+            route=await self._route(moment.atlas(state), asked),
         )  # fmt: skip
         svg = await asyncio.to_thread(render, state, drawing)
         return svg.encode() if asked.form is Form.SVG else await self._painter.png_of(svg)
 
-    async def _route(self, state: MapState, asked: PictureRequest) -> DrawnRoute | None:
+    async def _route(self, atlas: Atlas, asked: PictureRequest) -> DrawnRoute | None:
         """Return the route that is to be drawn, if any is."""
         if asked.route is None:
             return None
-        found = await self._maps.route_of(state, *asked.route)
+        found = await self._maps.route_of(atlas, *asked.route)
         keys = frozenset(passage.key for passage in found.passages)
         return DrawnRoute(found.points, keys)

@@ -20,7 +20,7 @@ from service.errors import (
     SequenceReusedError,
     VersionMismatchError,
 )
-from service.hot import HotSession
+from service.hot import HotSession, map_tag
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -78,8 +78,8 @@ def record(
         return earlier
     refusal = _refusal(request, hot)
     if refusal is not None:
-        current = store.find_version(connection, hot.row.id)
-        return refusal if current == (hot.row.number, hot.seq) else Stale()
+        current = store.find_version(connection, hot.row.id) or ()
+        return refusal if current[:2] == (hot.row.number, hot.seq) else Stale()
     if computed is None or not store.advance(connection, hot.row.number, hot.seq):
         return Stale()
     after = computed.step.state
@@ -117,6 +117,6 @@ def _refusal(request: StepRequest, hot: HotSession) -> SemtopoError | None:
     following = hot.seq + 1
     if request.seq is not None and request.seq > following:
         return SequenceGapError(following)
-    if request.if_match is not None and not request.if_match & {"*", hot.tag}:
+    if request.if_match is not None and not {"*", hot.tag} & set(map(map_tag, request.if_match)):
         return VersionMismatchError("the map is no longer the one that If-Match names")
     return None

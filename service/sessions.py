@@ -49,7 +49,7 @@ class Sessions:
         query = partial(load, session_id=session_id, known=self._hot.get(session_id))
         found = await self.read(query)
         newest = self._hot.get(session_id)
-        if newest is None or newest.row.number != found.row.number or newest.seq < found.seq:
+        if newest is None or newest.version[0] != found.version[0] or _is_older(newest, found):
             self.keep(found)  # while this was read, a step may have gone further
         return found
 
@@ -101,3 +101,8 @@ class Sessions:
         """Run a query in this thread, in a transaction that sees one state."""
         with self._database.reader.begin() as connection:
             return query(connection)
+
+
+def _is_older(one: HotSession, other: HotSession) -> bool:
+    """Say whether one has fewer steps than another, or as many and fewer changes."""
+    return one.version < other.version

@@ -4,7 +4,7 @@ State rows (`zones`, `passages`, `doorways`, a session's `version`) are authorit
 (`steps`) is for audit, replay and answers to retries. `zone_versions` and `doorway_versions` hold,
 at every checkpoint, what changed since the one before, so that an earlier map is a short replay
 away. What proved to be part of something else keeps its row; `until` is the step since which it is
-no more.
+no more. `changes` is the log of what is no step: names of zones, and restrictions.
 """
 
 from __future__ import annotations
@@ -69,7 +69,9 @@ sessions = Table(
     Column("mapping", Text, nullable=False),  # JSON
     Column("engine", Text, nullable=False),  # version of the code that began the map
     Column("version", Integer, nullable=False),  # seq of the last step
+    Column("revision", Integer, nullable=False, server_default="0"),  # number of changes
     CheckConstraint("version >= 0", name="version"),
+    CheckConstraint("revision >= 0", name="revision"),
     Index("ix_sessions_owner_number", "owner", "number"),
     sqlite_autoincrement=True,  # a number is never used again
 )
@@ -200,4 +202,17 @@ doorway_versions = Table(
         name="fk_doorway_versions_doorway",
         ondelete="CASCADE",
     ),
+)
+
+changes = Table(
+    "changes",
+    metadata,
+    _session_column(),
+    Column("number", Integer, primary_key=True, autoincrement=False),  # 1, 2, 3 in each session
+    Column("seq", Integer, nullable=False),  # the last step before it
+    Column("made_at", Text, nullable=False),  # ISO 8601, UTC
+    Column("kind", Text, nullable=False),  # zone, restriction or lifted
+    Column("document", Text, nullable=False),  # JSON
+    CheckConstraint("number >= 1", name="number"),
+    CheckConstraint("seq >= 0", name="seq"),
 )

@@ -8,6 +8,7 @@ from service.routes import (
     answers,
     live,
     maps,
+    notes,
     operations,
     pictures,
     questions,
@@ -18,7 +19,9 @@ from service.routes import (
 
 ROUTES: list[APIRoute] = [
     route
-    for room in (steps, sessions, live, maps, views, pictures, answers, questions, operations)
+    for room in (
+        steps, sessions, live, maps, notes, views, pictures, answers, questions, operations,
+    )  # fmt: skip
     for route in room.router.routes
 ]
 """All routes, in the order in which they are tried: steps first, since they come most often."""

@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-from functools import partial
-
 from fastapi import APIRouter, Request, Response
 
 from semtopo.codec import zones_body
@@ -50,6 +48,8 @@ async def read_zones(
 ) -> Response:
     """Read the metric map as GeoJSON, now or as of a step; of all zones, or those in a box."""
     chosen = bounding_box(box)
-    build = partial(zones_body, box=chosen)
-    body = await maps_of(request).view(session_id, at, f"zones {chosen}", build)
+    body = await maps_of(request).view(
+        session_id, at, f"zones {chosen}",
+        lambda atlas: zones_body(atlas.state, chosen, atlas.notes),
+    )  # fmt: skip
     return unless_known(GeoJsonBytes, body, if_none_match)

@@ -29,7 +29,9 @@ async def read_borders(
     request: Request, session_id: SessionId, if_none_match: IfNoneMatch = None, at: AtStep = None
 ) -> Response:
     """Read the borders of all zones as GeoJSON lines: walls, passages and frontiers (`free`)."""
-    body = await maps_of(request).view(session_id, at, "borders", borders_body)
+    body = await maps_of(request).view(
+        session_id, at, "borders", lambda atlas: borders_body(atlas.state)
+    )
     return unless_known(GeoJsonBytes, body, if_none_match)
 
 
@@ -43,5 +45,7 @@ async def read_doorways(
     request: Request, session_id: SessionId, if_none_match: IfNoneMatch = None, at: AtStep = None
 ) -> Response:
     """Read the doorways as GeoJSON: the free ground between two zones, which belongs to neither."""
-    body = await maps_of(request).view(session_id, at, "doorways", doorways_body)
+    body = await maps_of(request).view(
+        session_id, at, "doorways", lambda atlas: doorways_body(atlas.state)
+    )
     return unless_known(GeoJsonBytes, body, if_none_match)

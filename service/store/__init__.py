@@ -4,6 +4,7 @@ Every function works on a connection that is in a transaction; whoever calls it 
 answer, the rows it changed and the new version belong to one transaction.
 """
 
+from service.store.changes import Change, add_change, find_time, list_changes
 from service.store.log import (
     PAGE_CHARACTERS,
     LoggedStep,
@@ -42,12 +43,14 @@ from service.store.sessions import (
 __all__ = [
     "CHECKPOINT_EVERY",
     "PAGE_CHARACTERS",
+    "Change",
     "LoggedStep",
     "NewSession",
     "Progress",
     "SessionHead",
     "SessionRow",
     "Taken",
+    "add_change",
     "add_session",
     "add_step",
     "advance",
@@ -56,7 +59,9 @@ __all__ = [
     "find_session",
     "find_step",
     "find_step_by_key",
+    "find_time",
     "find_version",
+    "list_changes",
     "list_positions",
     "list_sessions",
     "list_steps",

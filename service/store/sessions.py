@@ -31,13 +31,17 @@ class SessionHead:
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class SessionRow(SessionHead):
-    """A session as it is stored; world, sensor and mapping are JSON."""
+    """A session as it is stored; world, sensor and mapping are JSON.
+
+    `revision` is the number of changes that are no steps.
+    """
 
     owner: int | None
     world: str | None
     sensor: str
     mapping: str
     engine: str
+    revision: int
 
 
 @dataclass(frozen=True, slots=True)
@@ -86,11 +90,14 @@ def delete_session(connection: Connection, session_id: str) -> bool:
     return connection.execute(delete(sessions).where(sessions.c.id == session_id)).rowcount > 0
 
 
-def find_version(connection: Connection, session_id: str) -> tuple[int, int] | None:
-    """Return the number of a session and the seq of its last step; `None` if there is none."""
-    query = select(sessions.c.number, sessions.c.version).where(sessions.c.id == session_id)
-    row = connection.execute(query).one_or_none()
-    return None if row is None else (row.number, row.version)
+def find_version(connection: Connection, session_id: str) -> tuple[int, int, int] | None:
+    """Return the number of a session, the seq of its last step and its number of changes.
+
+    `None` if there is no such session.
+    """
+    columns = (sessions.c.number, sessions.c.version, sessions.c.revision)
+    row = connection.execute(select(*columns).where(sessions.c.id == session_id)).one_or_none()
+    return None if row is None else (row.number, row.version, row.revision)
 
 
 def advance(connection: Connection, session: int, base: int) -> bool:

@@ -209,10 +209,12 @@ def counts(connection: Connection) -> dict[str, int]:
 
 
 def test_a_deletion_takes_everything_and_nothing_else(connection: Connection) -> None:
-    saved(connection, long_run()[:66], "stays")
+    stays = saved(connection, long_run()[:66], "stays")
+    assert store.add_change(connection, stays.number, store.Change(1, 65, "", "zone", "{}"))
     before = counts(connection)
     assert all(count > 0 for count in before.values())
-    saved(connection, long_run()[:130], "goes")
+    goes = saved(connection, long_run()[:130], "goes")
+    assert store.add_change(connection, goes.number, store.Change(1, 129, "", "zone", "{}"))
     assert all(count > before[name] for name, count in counts(connection).items())
     assert store.delete_session(connection, "goes")
     assert counts(connection) == before
@@ -232,9 +234,25 @@ def test_only_who_knows_the_version_may_advance(connection: Connection) -> None:
     assert not store.advance(connection, row.number, 1)
     assert not store.advance(connection, row.number, 3)
     assert not store.advance(connection, row.number + 1, 0)
-    assert store.find_version(connection, "one") == (row.number, 2)
+    assert store.find_version(connection, "one") == (row.number, 2, 0)
     assert store.advance(connection, row.number, 2)
-    assert store.find_version(connection, "one") == (row.number, 3)
+    assert store.find_version(connection, "one") == (row.number, 3, 0)
+
+
+def test_only_who_knows_the_session_may_change_it(connection: Connection) -> None:
+    number = saved(connection, long_run()[:3]).number
+    first, second = (store.Change(it, 2, f"time {it}", "zone", "{}") for it in (1, 2))
+    assert not store.add_change(connection, number, second)
+    assert not store.add_change(connection, number, store.Change(1, 1, "", "zone", "{}"))
+    assert store.add_change(connection, number, first)
+    assert not store.add_change(connection, number, first)
+    assert store.add_change(connection, number, second)
+    assert store.find_version(connection, "one") == (number, 2, 2)
+    assert store.list_changes(connection, number) == [first, second]
+    assert store.list_changes(connection, number, after=1) == [second]
+    assert store.list_changes(connection, number, up_to=1) == []
+    assert store.advance(connection, number, 2)
+    assert store.find_version(connection, "one") == (number, 3, 2)
 
 
 def test_the_log_is_found_by_number_and_key(connection: Connection) -> None:

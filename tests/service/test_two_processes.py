@@ -122,6 +122,52 @@ def test_entity_tags_hold_for_both(pair: Pair, below: str) -> None:
         assert (refused.status_code, refused.json()["code"]) == (412, "version_mismatch")
 
 
+def test_notes_of_one_are_seen_by_the_other(pair: Pair) -> None:
+    path = pair[0].create(**SESSION)
+    for document in STEPS[:5]:
+        pair[0].step(path, document)
+    for number in range(6):
+        writes, reads = (server.client for server in (pair if number % 2 else pair[::-1]))
+        names = {"aliases": [f"name {number}"], "class": "office"}
+        assert writes.put(f"{path}/zones/A", json=names).status_code == 200
+        one, two = (client.get(f"{path}/graph") for client in (writes, reads))
+        assert (one.content, one.headers["ETag"]) == (two.content, two.headers["ETag"])
+        assert {"id": "A", "label": "A", **names} in two.json()["nodes"]
+        asked = {"from": "corridor", "to": f"NAME {number}"}
+        assert reads.get(f"{path}/route", params=asked).json()["target"] == "A"
+        closed = {"passage": {"source": "corridor", "target": "A"}, "closed": True}
+        made = writes.post(f"{path}/restrictions", json=closed)
+        assert made.status_code == 201
+        assert reads.get(f"{path}/route", params=asked).status_code == 409
+        lifted = reads.delete(f"{path}/restrictions/{made.json()['id']}")
+        assert lifted.status_code == 204
+        reads.post(f"{path}/step", json=STEPS[number + 5])
+
+
+def test_notes_and_steps_of_both_at_once(pair: Pair) -> None:
+    """Each is stored once, in an order that both agree on."""
+    path = pair[0].create(**SESSION)
+    for document in STEPS[:5]:
+        pair[0].step(path, document)
+    with ThreadPoolExecutor() as threads:
+        done = [threads.submit(_note, pair[number % 2], path, number) for number in range(12)]
+        steps = [
+            threads.submit(pair[number % 2].client.post, f"{path}/step", json=document)
+            for number, document in enumerate(STEPS[5:13])
+        ]
+    assert {it.result().status_code for it in steps} == {201}
+    assert {it.result().status_code for it in done} <= {200, 409}
+    for below in ("/graph", "/zones", "/restrictions"):
+        one, two = (server.client.get(path + below) for server in pair)
+        assert (one.content, one.headers.get("ETag")) == (two.content, two.headers.get("ETag"))
+    assert json.loads(pair[0].get(path))["seq"] == 13
+
+
+def _note(server: Server, path: str, number: int) -> httpx2.Response:
+    names = {"aliases": [f"name {number}"]}
+    return server.client.put(f"{path}/zones/{'A' if number % 2 else 'corridor'}", json=names)
+
+
 def test_a_key_is_known_to_both(pair: Pair) -> None:
     path = pair[0].create(**SESSION)
     key = {"Idempotency-Key": "k"}
