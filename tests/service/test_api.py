@@ -283,7 +283,9 @@ def test_the_description_names_every_call(server: Server) -> None:
         ("get", f"{below}/zones"), ("get", f"{below}/route"), ("post", f"{below}/query"),
         ("get", f"{below}/borders"), ("get", f"{below}/doorways"), ("get", f"{below}/map.{{form}}"),
         ("get", f"{below}/events"), ("get", f"{below}/trail"), ("get", f"{below}/scan"),
-        ("get", f"{below}/world"),
+        ("get", f"{below}/world"), ("put", f"{below}/zones/{{zone_id}}"),
+        ("get", f"{below}/restrictions"), ("post", f"{below}/restrictions"),
+        ("delete", f"{below}/restrictions/{{restriction_id}}"),
         ("get", "/healthz"), ("get", "/readyz"), ("get", "/metrics"),
     }  # fmt: skip
 
