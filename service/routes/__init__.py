@@ -20,8 +20,17 @@ from service.routes import (
 ROUTES: list[APIRoute] = [
     route
     for room in (
-        steps, sessions, live, maps, notes, views, pictures, answers, questions, operations,
-    )  # fmt: skip
+        steps,
+        sessions,
+        live,
+        maps,
+        notes,
+        views,
+        pictures,
+        answers,
+        questions,
+        operations,
+    )
     for route in room.router.routes
 ]
 """All routes, in the order in which they are tried: steps first, since they come most often."""
