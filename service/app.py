@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import asyncio
 import gc
 import signal
 import sys
@@ -31,6 +32,7 @@ from service.openapi import DescribedApi
 from service.page import add_page
 from service.pictures import Pictures
 from service.protocol import PatientProtocol
+from service.retention import keep_for
 from service.routes import ROUTES
 from service.sessions import Sessions
 from service.settings import Settings
@@ -109,6 +111,20 @@ class EndingServer(uvicorn.Server):
         await super().shutdown(sockets)
 
 
+@asynccontextmanager
+async def _in_background(settings: Settings, sessions: Sessions) -> AsyncIterator[None]:
+    """Delete what nobody uses while something else is done, if the settings say so."""
+    if settings.keep_days is None:
+        yield
+        return
+    work = asyncio.create_task(keep_for(settings.keep_days, sessions))
+    try:
+        yield
+    finally:
+        work.cancel()
+        await asyncio.wait([work])
+
+
 def _is_loopback(host: str) -> bool:
     """Say whether only this machine can reach a host; a name other than localhost is not one."""
     try:
@@ -138,7 +154,8 @@ async def _lifespan(app: FastAPI) -> AsyncIterator[None]:
         # what lives now lives on; left to the collector, it would stop steps for 40 ms now and then
         gc.collect()
         gc.freeze()
-        yield
+        async with _in_background(settings, app.state.sessions):
+            yield
     finally:
         app.state.feeds.close()
         await app.state.steps.close()

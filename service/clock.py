@@ -6,8 +6,13 @@ from datetime import UTC, datetime
 
 
 def now() -> str:
-    """Return the time: ISO 8601, UTC, milliseconds."""
-    return datetime.now(UTC).isoformat(timespec="milliseconds")
+    """Return the time, as `written` does."""
+    return written(datetime.now(UTC))
+
+
+def written(time: datetime) -> str:
+    """Return a time in UTC: ISO 8601, milliseconds; so written, times sort as they follow."""
+    return time.isoformat(timespec="milliseconds")
 
 
 def seconds() -> float:

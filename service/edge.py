@@ -36,7 +36,7 @@ class BodyLimit:
         if int(headers.get("content-length", 0)) > self._bytes_max:
             problem = Problem(_TOO_LARGE, "body_too_large", "body too large")
             await problem(scope, receive, send)
-        elif scope["method"] == "POST" and not _is_json(headers):
+        elif scope["method"] in {"POST", "PUT"} and not _is_json(headers):
             detail = "send JSON, with Content-Type: application/json"
             await Problem(_UNSUPPORTED, "unsupported_media_type", detail)(scope, receive, send)
         else:

@@ -12,7 +12,7 @@ from sqlalchemy import Connection
 
 from service import store
 from service.database import Database
-from service.errors import UnknownSessionError
+from service.errors import KeyReusedError, UnknownSessionError
 from service.hot import HotSession, load
 from service.keys import authenticate
 from service.metrics import Metrics
@@ -43,6 +43,13 @@ class Sessions:
         """Store a new session."""
         await self.commit(partial(store.add_session, new=new))
         return await self.find(new.id)
+
+    async def create_once(self, new: store.NewSession, key: store.CreationKey) -> HotSession:
+        """Store a new session, or return the one that its key began; raises KeyReusedError."""
+        session_id = await self.commit(partial(store.begin_session, new=new, key=key))
+        if session_id is None:
+            raise KeyReusedError("this Idempotency-Key came with another session before")
+        return await self.find(session_id)
 
     async def find(self, session_id: str) -> HotSession:
         """Return a session as it is stored; raises UnknownSessionError."""
@@ -81,6 +88,15 @@ class Sessions:
             self.forget(session_id)
         if not existed:
             raise UnknownSessionError("there is no session of that id")
+
+    async def delete_unused(self, session_id: str, before: str) -> bool:
+        """Delete a session unless it was used since `before`; say whether it was deleted."""
+        change = partial(store.delete_unused, session_id=session_id, before=before)
+        async with self.turn(session_id):
+            deleted = await self.commit(change)
+            if deleted:
+                self.forget(session_id)
+        return deleted
 
     async def read(self, query: Callable[[Connection], Result]) -> Result:
         """Run a query in a thread, in a transaction that sees one state."""

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from pathlib import Path
+from typing import Literal
 
 from pydantic import Field
 from pydantic_settings import BaseSettings, SettingsConfigDict
@@ -42,6 +43,15 @@ class Settings(BaseSettings):
 
     queue_max: int = Field(default=1_000, ge=1)
     """How many steps may wait; the next one is asked to come again."""
+
+    connections_max: int = Field(default=4_000, ge=1)
+    """How many connections may be open; the next one is answered 503 and closed."""
+
+    keep_days: float | None = Field(default=None, gt=0, le=36_500)
+    """After how many days without a step a session is deleted; never, if not given."""
+
+    log: Literal["json", "text"] = "json"
+    """How to log: a JSON object a line, or plain text."""
 
     readers_max: int = Field(default=2_000, ge=1)
     """How many readers of events may be connected."""

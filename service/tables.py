@@ -76,6 +76,17 @@ sessions = Table(
     sqlite_autoincrement=True,  # a number is never used again
 )
 
+creations = Table(
+    "creations",
+    metadata,
+    # the owner's number, or 0: unlike NULL, it is the same as itself
+    Column("scope", RowNumber, primary_key=True, autoincrement=False),
+    Column("key", Text, primary_key=True),  # Idempotency-Key
+    Column("session", RowNumber, ForeignKey("sessions.number", ondelete="CASCADE"), nullable=False),
+    Column("fingerprint", LargeBinary, nullable=False),  # SHA-256 of what was asked for
+    Index("ix_creations_session", "session"),
+)
+
 steps = Table(
     "steps",
     metadata,

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import hashlib
 import secrets
 from asyncio import to_thread
 from importlib.metadata import version
@@ -13,11 +14,18 @@ from fastapi import APIRouter, Query, Request, Response
 from service.arguments import BodyRoute
 from service.clock import now
 from service.hot import HotSession
-from service.parameters import Limit, SessionId, owner_of, sessions_of
+from service.parameters import (
+    IdempotencyKey,
+    Limit,
+    SessionId,
+    idempotency_key,
+    owner_of,
+    sessions_of,
+)
 from service.replies import JsonBytes
 from service.schemas.problems import problems
 from service.schemas.sessions import SessionAnswer, SessionRequest, SessionsAnswer
-from service.store import NewSession, SessionHead
+from service.store import CreationKey, NewSession, SessionHead
 
 router = APIRouter(tags=["sessions"], responses=problems(401, 413, 422, 503), route_class=BodyRoute)
 
@@ -28,13 +36,22 @@ router = APIRouter(tags=["sessions"], responses=problems(401, 413, 422, 503), ro
     response_model=SessionAnswer,
     responses=problems(400, 415),
 )
-async def create_session(request: Request, document: SessionRequest) -> Response:
-    """Begin a session with an empty map."""
+async def create_session(
+    request: Request, document: SessionRequest, key: IdempotencyKey = None
+) -> Response:
+    """Begin a session with an empty map; a retry gets the same session again."""
+    given = idempotency_key(key)
     # in a thread, since a large world takes some time to be checked
     new = await to_thread(new_session, secrets.token_hex(8), document, owner_of(request))
-    hot = await sessions_of(request).create(new)
+    if given is None:
+        hot = await sessions_of(request).create(new)
+    else:
+        fingerprint = hashlib.sha256(document.model_dump_json().encode()).digest()
+        hot = await sessions_of(request).create_once(new, CreationKey(given, fingerprint))
     headers = {"Location": f"/sessions/{hot.row.id}"}
-    return JsonBytes(orjson.dumps(_session(hot)), 201, headers)
+    if hot.row.id != new.id:
+        headers["Idempotency-Replayed"] = "true"
+    return JsonBytes(orjson.dumps({**_session(hot), "seq": 0}), 201, headers)
 
 
 @router.get("/sessions", response_model=SessionsAnswer)

@@ -5,6 +5,12 @@ answer, the rows it changed and the new version belong to one transaction.
 """
 
 from service.store.changes import Change, add_change, find_time, list_changes
+from service.store.creations import (
+    CreationKey,
+    begin_session,
+    delete_unused,
+    list_unused,
+)
 from service.store.log import (
     PAGE_CHARACTERS,
     LoggedStep,
@@ -44,6 +50,7 @@ __all__ = [
     "CHECKPOINT_EVERY",
     "PAGE_CHARACTERS",
     "Change",
+    "CreationKey",
     "LoggedStep",
     "NewSession",
     "Progress",
@@ -54,7 +61,9 @@ __all__ = [
     "add_session",
     "add_step",
     "advance",
+    "begin_session",
     "delete_session",
+    "delete_unused",
     "find_progress",
     "find_session",
     "find_step",
@@ -65,6 +74,7 @@ __all__ = [
     "list_positions",
     "list_sessions",
     "list_steps",
+    "list_unused",
     "load_checkpoint",
     "load_state",
     "page_of_steps",

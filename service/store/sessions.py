@@ -58,10 +58,12 @@ class NewSession:
     owner: int | None = None
 
 
-def add_session(connection: Connection, new: NewSession) -> None:
-    """Store a new session, with an empty map."""
+def add_session(connection: Connection, new: NewSession) -> int:
+    """Store a new session, with an empty map; return its number."""
     values = {name: getattr(new, name) for name in NewSession.__slots__}
-    connection.execute(insert(sessions).values(version=0, **values))
+    made = connection.execute(insert(sessions).values(version=0, **values))
+    (number,) = made.inserted_primary_key or (0,)
+    return int(number)
 
 
 def find_session(connection: Connection, session_id: str) -> SessionRow | None:

@@ -184,4 +184,4 @@ def test_alembic_at_the_command_line_finds_its_settings(url: str) -> None:
         check=False,
     )
     assert done.returncode == 0, done.stderr
-    assert "0003 (head)" in done.stdout
+    assert "0004 (head)" in done.stdout
