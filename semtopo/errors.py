@@ -89,6 +89,12 @@ class InvalidOptionError(InvalidInputError):
     code: ClassVar[str] = "invalid_option"
 
 
+class NotExportableError(SemtopoError):
+    """A map cannot be written in a format: it has too much for it, or nothing."""
+
+    code: ClassVar[str] = "not_exportable"
+
+
 class InvalidMapError(InvalidInputError):
     """A stored map that cannot be read back."""
 

@@ -21,10 +21,11 @@ from semtopo import codec
 from semtopo.answers import answer
 from semtopo.documents import SensorDocument
 from semtopo.errors import InvalidOptionError, SemtopoError
+from semtopo.exports import EXPORTS, RADIUS_MAX, Format
 from semtopo.formats.fault import describe_fault
 from semtopo.sensor import Sensor
 from semtopo.types import Edges, Identity, MappingOptions, Passages, Sensing
-from service.folder import read_folder
+from service.folder import read_chart, read_folder
 from service.mapping_run import (
     Drive,
     Extras,
@@ -193,6 +194,24 @@ def route(
     folder = read_folder(directory)
     found = answer(folder.atlas, question, folder.history)
     typer.echo(codec.to_json(codec.answer_document(found)).decode() if json else found.sentence)
+
+
+@app.command()
+def export(
+    directory: Annotated[Path, typer.Argument(help="A folder that `semtopo map` wrote.")],
+    form: Annotated[Format, typer.Argument(metavar="FORMAT", help=", ".join(Format))],
+    file: Annotated[Path | None, typer.Argument(help="To write to; standard output else.")] = None,
+    *,
+    radius: Annotated[
+        float, typer.Option(help="Of the robot, in m; for nav2.", min=0, max=RADIUS_MAX)
+    ] = 0.0,
+) -> None:
+    """Write a map for another program."""
+    content = EXPORTS[form].write(read_chart(directory, radius))
+    if file is None:
+        typer.echo(content, nl=False)
+    else:
+        file.write_bytes(content)
 
 
 @app.command()

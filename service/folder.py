@@ -18,8 +18,10 @@ from semtopo import codec
 from semtopo.answers import History
 from semtopo.atlas import Atlas
 from semtopo.errors import InvalidMapError, UnknownStepError
+from semtopo.exports.chart import Chart
+from semtopo.exports.geojson import read_borders, read_doorways
 from semtopo.mapper import MapState
-from service.mapping_run import GRAPH, STEPS, ZONES, naming
+from service.mapping_run import BORDERS, DOORWAYS, GRAPH, STEPS, ZONES, naming
 
 
 @dataclass(frozen=True, slots=True)
@@ -44,6 +46,18 @@ def read_folder(directory: Path) -> Folder:
     state = codec.read_map(zones, graph)
     steps = _read_steps(directory / STEPS)
     return Folder(Atlas(_placed(state, steps)), partial(_placed_at, state, steps))
+
+
+def read_chart(directory: Path, radius: float) -> Chart:
+    """Read what can be exported from a folder, for a robot of a radius; raises as `read_folder`."""
+    zones, graph = (directory / ZONES).read_bytes(), (directory / GRAPH).read_bytes()
+    state = codec.read_map(zones, graph)
+    with naming(directory / DOORWAYS):
+        doorways = read_doorways((directory / DOORWAYS).read_bytes())
+    with naming(directory / BORDERS):
+        borders = read_borders((directory / BORDERS).read_bytes())
+    whole = replace(state, metric=replace(state.metric, doorways=doorways))
+    return Chart(whole, borders, radius)
 
 
 def _read_steps(file: Path) -> list[dict[str, Any]]:

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
+
 from fastapi import Response
 from fastapi.responses import JSONResponse
 
@@ -25,7 +27,7 @@ class GeoJsonBytes(JSONResponse):
         return content
 
 
-def unless_known(kind: type[Response], body: Body, if_none_match: str | None) -> Response:
+def unless_known(kind: Callable[..., Response], body: Body, if_none_match: str | None) -> Response:
     """Return a body with its entity tag, or 304 if the client has it (RFC 9110, 13.1.2)."""
     headers = {"ETag": body.tag, "Cache-Control": "no-cache"}
     if is_known(if_none_match, body.tag):

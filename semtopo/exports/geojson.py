@@ -1,12 +1,19 @@
-"""Borders and doorways of a map as GeoJSON (RFC 7946, but for the frame)."""
+"""Borders, doorways and whole maps as GeoJSON (RFC 7946, but for the frame)."""
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Iterator
+from collections.abc import Iterable
+
+import orjson
+import shapely
 
 from semtopo.borders import BorderPiece, border_pieces
-from semtopo.codec import Document, region_document, to_json
-from semtopo.doorways import Doorway
+from semtopo.codec import Document, region_document, to_json, zone_feature
+from semtopo.doorways import Doorway, Doorways
+from semtopo.errors import InvalidMapError
+from semtopo.exports.chart import Chart
+from semtopo.geometry import Region, polygonal
+from semtopo.graph import Passage
 from semtopo.mapper import MapState
 
 
@@ -15,7 +22,7 @@ def borders_body(state: MapState) -> bytes:
 
     A frontier is a piece with occupancy `free`.
     """
-    return _collection(state, _borders(state))
+    return _collection(state, border_features(state))
 
 
 def doorways_body(state: MapState) -> bytes:
@@ -25,27 +32,113 @@ def doorways_body(state: MapState) -> bytes:
 
 def _doorway(doorway: Doorway) -> Document:
     """Return a doorway; it is named by its ends and number."""
+    region: Region = shapely.orient_polygons(doorway.region)  # as it is read back: area is a sum
     return {
         "type": "Feature",
-        "geometry": region_document(doorway.region),
+        "geometry": region_document(region),
         "properties": {
             "ends": doorway.ends,
             "number": doorway.number,
-            "area": doorway.region.area,
+            "area": region.area,
             "since": doorway.since,
             "seq": doorway.seq,
         },
     }
 
 
+def read_doorways(body: bytes) -> Doorways:
+    """Read doorways back from `doorways_body`.
+
+    Raises
+    ------
+    InvalidMapError
+        The body is none that this module wrote.
+    """
+    found = [_doorway_from(feature) for feature in _features(body)]
+    return Doorways({doorway.key: doorway for doorway in found})
+
+
+def read_borders(body: bytes) -> list[Document]:
+    """Read the features of `borders_body` back; raises as `read_doorways` does."""
+    found = _features(body)
+    if any("occupancy" not in _properties(feature) for feature in found):
+        raise InvalidMapError("these are not the borders of a map")
+    return found
+
+
+def _features(body: bytes) -> list[Document]:
+    """Return the features of a collection."""
+    try:
+        found = orjson.loads(body)["features"]
+    except (LookupError, TypeError, ValueError) as error:
+        raise InvalidMapError("this is no collection of features") from error
+    if not isinstance(found, list) or not all(isinstance(it, dict) for it in found):
+        raise InvalidMapError("this is no collection of features")
+    return found
+
+
+def _properties(feature: Document) -> Document:
+    properties = feature.get("properties")
+    return properties if isinstance(properties, dict) else {}
+
+
+def _doorway_from(feature: Document) -> Doorway:
+    about = _properties(feature)
+    try:
+        region = shapely.from_geojson(orjson.dumps(feature["geometry"]))
+        one, other = about["ends"]
+        seen = (int(about["since"]), int(about["seq"]))
+        doorway = Doorway((str(one), str(other)), int(about["number"]), polygonal(region), *seen)
+    except (LookupError, TypeError, ValueError, shapely.errors.ShapelyError) as error:
+        raise InvalidMapError("these are not the doorways of a map") from error
+    return doorway
+
+
+def geojson_body(chart: Chart) -> bytes:
+    """Return all of a map in one collection: the property `layer` says what a feature is.
+
+    Zones, doorways, passages (points) and frontiers (lines), in that order.
+    """
+    state = chart.state
+    layers: dict[str, Iterable[Document]] = {
+        "zone": map(zone_feature, state.metric.zones.values()),
+        "doorway": map(_doorway, state.metric.doorways.values()),
+        "passage": map(_passage, state.graph.passages.values()),
+        "frontier": (it for it in chart.borders if it["properties"]["occupancy"] == "free"),
+    }
+    features = (_of_layer(layer, it) for layer, found in layers.items() for it in found)
+    return _collection(state, features)
+
+
+def border_features(state: MapState) -> list[Document]:
+    """Return the borders of all zones, piece by piece."""
+    return [
+        _border(zone_id, piece)
+        for zone_id, zone in state.metric.zones.items()
+        for piece in border_pieces(zone)
+    ]
+
+
+def _of_layer(layer: str, feature: Document) -> Document:
+    return {**feature, "properties": {"layer": layer, **feature["properties"]}}
+
+
+def _passage(passage: Passage) -> Document:
+    """Return a passage; it is a point, on the border of the zone to which it leads."""
+    return {
+        "type": "Feature",
+        "geometry": {"type": "Point", "coordinates": passage.point},
+        "properties": {
+            "source": passage.source,
+            "target": passage.target,
+            "number": passage.number,
+            "seq": passage.seq,
+        },
+    }
+
+
 def _collection(state: MapState, features: Iterable[Document]) -> bytes:
     return to_json({"type": "FeatureCollection", "seq": state.seq, "features": list(features)})
-
-
-def _borders(state: MapState) -> Iterator[Document]:
-    for zone_id, zone in state.metric.zones.items():
-        for piece in border_pieces(zone):
-            yield _border(zone_id, piece)
 
 
 def _border(zone_id: str, piece: BorderPiece) -> Document:

@@ -6,6 +6,7 @@ from fastapi.routing import APIRoute
 
 from service.routes import (
     answers,
+    exports,
     live,
     maps,
     notes,
@@ -17,20 +18,9 @@ from service.routes import (
     views,
 )
 
-ROUTES: list[APIRoute] = [
-    route
-    for room in (
-        steps,
-        sessions,
-        live,
-        maps,
-        notes,
-        views,
-        pictures,
-        answers,
-        questions,
-        operations,
-    )
-    for route in room.router.routes
-]
+ROOMS = (
+    steps, sessions, live, maps, notes, views, pictures, exports, answers, questions, operations,
+)  # fmt: skip
+
+ROUTES: list[APIRoute] = [route for room in ROOMS for route in room.router.routes]
 """All routes, in the order in which they are tried: steps first, since they come most often."""

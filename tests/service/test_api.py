@@ -282,6 +282,7 @@ def test_the_description_names_every_call(server: Server) -> None:
         ("post", f"{below}/step"), ("get", f"{below}/steps"), ("get", f"{below}/graph"),
         ("get", f"{below}/zones"), ("get", f"{below}/route"), ("post", f"{below}/query"),
         ("get", f"{below}/borders"), ("get", f"{below}/doorways"), ("get", f"{below}/map.{{form}}"),
+        ("get", f"{below}/export/{{form}}"),
         ("get", f"{below}/events"), ("get", f"{below}/trail"), ("get", f"{below}/scan"),
         ("get", f"{below}/world"), ("put", f"{below}/zones/{{zone_id}}"),
         ("get", f"{below}/restrictions"), ("post", f"{below}/restrictions"),

@@ -322,6 +322,11 @@ QUERIES = [
                  "from=corridor", "to=A", "from=&to=A", f"layers={'a' * 201}")),
     *(case(f"layers {it}", f"/map.png?layers={it}", 422, "invalid_option")
       for it in ("", "walls", "zones,,graph", "%00", MARKER)),
+    *(case(f"export {it}", f"/export/{it}", 422, "invalid_request")
+      for it in ("gml", "NAV2", "%00", "nav2?radius=-1", "nav2?radius=nan", "nav2?radius=11",
+                 "dot?radius=1e400", "geojson?at=-1")),
+    case("export beyond", "/export/dot?at=2", 404, "unknown_step"),
+    case("export of no ways", "/export/nav2?at=0", 409, "not_exportable"),
     case("picture of another kind", "/map.gif", 422, "invalid_request"),
     case("picture beyond", "/map.png?at=2", 404, "unknown_step"),
     case("picture of no route", "/map.png?from=A&to=corridor", 409, "no_route"),

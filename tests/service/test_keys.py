@@ -15,7 +15,7 @@ CALLS = [
     ("GET", ""), ("DELETE", ""), ("GET", "/graph"), ("GET", "/zones"), ("GET", "/borders"),
     ("GET", "/doorways"), ("GET", "/steps"), ("GET", "/route?from=a&to=b"), ("POST", "/step"),
     ("POST", "/query"), ("GET", "/trail"), ("GET", "/scan"), ("GET", "/world"),
-    ("GET", "/map.png"),
+    ("GET", "/map.png"), ("GET", "/export/nav2"),
 ]  # fmt: skip
 
 
