@@ -29,21 +29,20 @@ class NameLikeness:
     def __init__(self, names: Mapping[str, str]) -> None:
         """Take names with the forms in which they are compared."""
         self._names = list(names)
-        self._forms = [_marked(form) for form in names.values()]
-        text = "".join(form[:-1] for form in self._forms) + _END
-        codes = _codes(text)
+        self._forms = [form.replace(_END, " ") for form in names.values()]
+        codes = _codes(_marked(_END.join(self._forms)) if self._forms else _END)
         self._owners: Integers = np.cumsum(codes[:-1] == ord(_END)) - 1
         self._pairs: Integers = _joined(codes)
 
     def closest(self, form: str, count: int) -> tuple[str, ...]:
         """Return up to `count` names that are like a form, the likest first, then as they came."""
-        wanted = _marked(form[:LENGTH_READ])
+        wanted = _marked(form[:LENGTH_READ].replace(_END, " "))
         common = self._in_common(wanted)
-        sizes = np.array([len(known) - 1 for known in self._forms])
+        sizes = np.array([len(known) + 1 for known in self._forms])
         rough = common / (sizes + len(wanted) - 1) if len(sizes) else common
         examined = np.argsort(-rough, kind="stable")[:_EXAMINED]
         likeness = {
-            number: _likeness(_pairs(wanted), _pairs(self._forms[number]))
+            number: _likeness(_pairs(wanted), _pairs(_marked(self._forms[number])))
             for number in sorted(examined.tolist())
         }
         alike = [number for number, value in likeness.items() if value >= LIKENESS_MIN]
@@ -57,7 +56,7 @@ class NameLikeness:
 
 def _marked(form: str) -> str:
     """Return a form with its ends marked."""
-    return f"{_END}{form.replace(_END, ' ')}{_END}"
+    return f"{_END}{form}{_END}"
 
 
 def _codes(text: str) -> Integers:

@@ -90,11 +90,11 @@ def closest_names(atlas: Atlas, name: str) -> tuple[str, ...]:
 
 def folded(name: str) -> str:
     """Return a name in the form in which those are alike that differ in case alone."""
-    return unicodedata.normalize("NFC", unicodedata.normalize("NFC", name).casefold())
+    return _written(_written(name).casefold())
 
 
 def _written(name: str) -> str:
-    return unicodedata.normalize("NFC", name)
+    return name if name.isascii() else unicodedata.normalize("NFC", name)
 
 
 _FORMS: tuple[Callable[[str], str], ...] = (str, _written, folded)
@@ -109,19 +109,24 @@ class Tier:
         for name, zone in names:
             found.setdefault(name, {})[zone] = None
         self.zones: _Meanings = {name: tuple(zones) for name, zones in found.items()}
-        self._by_form: dict[Callable[[str], str], dict[str, list[str]]] = {}
+
+    @cached_property
+    def alike(self) -> dict[str, list[str]]:
+        """The names, by the form in which case does not matter."""
+        found: dict[str, list[str]] = {}
+        for name in self.zones:
+            found.setdefault(folded(name), []).append(name)
+        return found
 
     def meanings(self, form: Callable[[str], str], name: str) -> _Meanings:
         """Return the names of which a form is that of a name, as they are written, and zones."""
-        if form not in self._by_form:
-            alike: dict[str, list[str]] = {}
-            for known in self.zones:
-                alike.setdefault(form(known), []).append(known)
-            self._by_form[form] = alike
+        wanted = form(name)
         meant: dict[str, tuple[str, ...]] = {}
-        for known in self._by_form[form].get(form(name), ()):
-            written = _written(known)
-            meant[written] = tuple(dict.fromkeys((*meant.get(written, ()), *self.zones[known])))
+        for known in self.alike.get(folded(name), ()):
+            if form(known) == wanted:
+                written = _written(known)
+                zones = (*meant.get(written, ()), *self.zones[known])
+                meant[written] = tuple(dict.fromkeys(zones))
         return meant
 
 
@@ -141,13 +146,18 @@ class Directory:
     @cached_property
     def folded_names(self) -> frozenset[str]:
         """All names, in the form in which case does not matter."""
-        return frozenset(folded(name) for tier in self.tiers for name in tier.zones)
+        return frozenset().union(*(tier.alike for tier in self.tiers))
 
     @cached_property
     def likeness(self) -> NameLikeness:
         """Tells which names are like another."""
-        names = dict.fromkeys(_written(name) for tier in self.tiers for name in tier.zones)
-        return NameLikeness({name: folded(name) for name in names})
+        forms = {
+            _written(name): form
+            for tier in self.tiers
+            for form, names in tier.alike.items()
+            for name in names
+        }
+        return NameLikeness(forms)
 
 
 def directory_of(atlas: Atlas) -> Directory:

@@ -11,6 +11,7 @@ from pydantic import BaseModel, Field
 
 from semtopo.answers.values import Frontier, Gap, Growth, ListedClass, ListedZone, ZonePlace
 from semtopo.documents import Document
+from semtopo.expectations import EXAMPLES
 from semtopo.types import Point
 from service.schemas.answers import RouteAnswer
 from service.schemas.maps import GraphEdge
@@ -21,7 +22,10 @@ TEXT_MAX = 2_000  # characters of a question
 class QueryRequest(Document):
     """A question in words."""
 
-    text: Annotated[str, Field(strict=True, min_length=1, max_length=TEXT_MAX)]
+    text: Annotated[
+        str,
+        Field(strict=True, min_length=1, max_length=TEXT_MAX, examples=sorted(EXAMPLES.values())),
+    ]
 
 
 class PathReply(BaseModel):
