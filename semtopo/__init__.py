@@ -28,12 +28,14 @@ Readings of the paper, where it is silent or misprinted; each is cited at its li
     R7   the nearest zone: least distance to its polygon, ties by label
     R8   a scan without zones changes nothing, and counts
     R9   a zone may have any area above `min_zone_area`
-    R10  the first passage between two zones stays
+    R10  the first passage between two zones stays; or `all` do, one through each doorway, whose
+         number it has: pieces of doorways that touch are one doorway
     R11  a passage point is the point of the zone that is nearest to the robot
     R12  zones fuse by polygon union; they may have holes and several parts
     R13  kind `unknown`: seen, not labelled; neither obstacle nor zone nor passage; what begins
          behind it begins with occupancy `free`
-    R14  one label is one zone
+    R14  one label is one zone; or each place of it is an `instance`: zones of one label that touch,
+         or that a later scan joins, are one, and the one found first stays
     R15  edges: to every zone `seen`, or only between zones `adjacent` along beams: both beams of a
          strip must lead from the one to the other, since one alone may slip through a wall
     R16  sensing: at samples, or `exact`: a beam belongs to a zone from where it enters to where it

@@ -19,7 +19,7 @@ import pytest
 from semtopo.mapper import Step, run
 from semtopo.runs import LabelledRuns, from_runs
 from semtopo.scan import Scan
-from semtopo.types import Edges, Kind, MappingOptions, Point, Pose
+from semtopo.types import Edges, Identity, Kind, MappingOptions, Passages, Point, Pose
 
 SCANS = Path(__file__).parents[2] / "shared" / "data" / "freiburg079" / "scans.jsonl.gz"
 
@@ -105,3 +105,17 @@ def test_the_map_is_sound_at_the_end_of_a_long_drive() -> None:
     for zone in state.metric.zones.values():
         assert zone.region.is_valid
         assert zone.region.area > 0
+
+
+def test_places_of_a_label_and_all_doors_make_the_same_building() -> None:
+    """With glimpses below half a square metre left out, each room is one zone again."""
+    chosen = MappingOptions(
+        edges=Edges.ADJACENT, passages=Passages.ALL, identity=Identity.INSTANCE, min_zone_area=0.5
+    )
+    *_, last = run([scan for _, scan in recorded()], chosen)
+    graph = last.state.graph
+    assert set(graph.nodes) == {"corridor", *(f"room-{number}" for number in range(2, 16))}
+    assert all(frozenset(pair) in DOORS for pair in graph.pairs)
+    driven = {pair for a, b in DRIVEN for pair in ((a, b), (b, a))}
+    assert driven <= set(graph.pairs)
+    assert {frozenset(key[:2]) for key in last.state.metric.doorways if key[0] != key[1]} <= DOORS

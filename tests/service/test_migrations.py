@@ -17,7 +17,7 @@ from sqlalchemy import insert, inspect, text
 from sqlalchemy.exc import DBAPIError
 
 from service.database import Database, migrate, migration_config, open_database
-from service.tables import metadata, sessions
+from service.tables import metadata, passages, sessions, zones
 from tests.service.twin import ROOT
 
 pytestmark = pytest.mark.databases("sqlite", "postgres")
@@ -185,3 +185,25 @@ def test_alembic_at_the_command_line_finds_its_settings(url: str) -> None:
     )
     assert done.returncode == 0, done.stderr
     assert "0004 (head)" in done.stdout
+
+
+def test_passages_of_an_older_database_stay(database: Database) -> None:
+    """What was stored before there were numbers has number 0, and is there still."""
+    zone = "INSERT INTO zones VALUES (1, '{0}', {1}, '{0}', 1, 1, '', '')"
+    with database.writer.begin() as connection:
+        command.downgrade(migration_config(connection), "0001")
+        connection.execute(insert(sessions).values(SESSION | {"number": 1}))
+        for number, label in enumerate("ab"):
+            connection.execute(text(zone.format(label, number)))
+        connection.execute(text("INSERT INTO passages VALUES (1, 'a', 'b', 0, 0.1, 0.2, 1)"))
+    migrate(database.writer)
+    with database.writer.begin() as connection:
+        (edge,) = connection.execute(passages.select()).mappings()
+        assert edge == {
+            "session": 1, "source": "a", "target": "b", "number": 0, "position": 0,
+            "x": 0.1, "y": 0.2, "seq": 1, "moved": 0, "until": None,
+        }  # fmt: skip
+        assert len(connection.execute(zones.select()).all()) == 2
+        command.downgrade(migration_config(connection), "0001")
+        assert len(connection.execute(text("SELECT * FROM passages")).all()) == 1
+        assert len(connection.execute(text("SELECT * FROM zones")).all()) == 2
