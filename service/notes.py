@@ -8,6 +8,7 @@ from __future__ import annotations
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, field
 from datetime import datetime
+from types import MappingProxyType
 from typing import Any
 
 import orjson
@@ -27,6 +28,10 @@ class Notes:
     revision: int = 0
     zones: Mapping[str, ZoneNotes] = field(default_factory=dict)
     restrictions: Mapping[str, Restriction] = field(default_factory=dict)
+
+    def __post_init__(self) -> None:
+        """Let nobody change the zones from here on; so the names of their atlas can be kept."""
+        object.__setattr__(self, "zones", MappingProxyType(self.zones))
 
     def after(self, changes: Iterable[Change]) -> Notes:
         """Return the notes after some more changes."""

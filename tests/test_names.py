@@ -13,6 +13,7 @@ from semtopo.errors import AmbiguousZoneError, UnknownZoneError
 from semtopo.names import (
     NAMES_TOLD_MAX,
     closest_names,
+    directory_of,
     resolve,
     resolve_class,
     resolve_one,
@@ -121,3 +122,11 @@ def test_any_text_is_a_name_or_none(name: str, known: list[str]) -> None:
         assert set(resolve(place, name)) <= set(known)
     except (UnknownZoneError, AmbiguousZoneError):
         assert name not in known
+
+
+def test_names_are_kept_for_the_next_question() -> None:
+    again = Atlas(OFFICE.state, OFFICE.notes, now=7.0)
+    assert directory_of(again) is directory_of(OFFICE)
+    others = Atlas(OFFICE.state, dict(OFFICE.notes))
+    assert directory_of(others) is not directory_of(OFFICE)
+    assert directory_of(others).folded_names == directory_of(OFFICE).folded_names

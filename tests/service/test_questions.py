@@ -144,3 +144,38 @@ def test_hostile_text_harms_nobody(server: Server, driven: str) -> None:
         text = "".join(chance.choices(alphabet, k=chance.randint(1, TEXT_MAX)))
         asked(server, driven, text)
     assert server.faults() == []
+
+
+def test_aliases_and_classes_are_asked_for_by_name(server: Server) -> None:
+    path = server.create(world=paper_world())
+    for document in paper_steps()[:45]:
+        server.step(path, document)
+    notes = {"aliases": ["the way out", "Küche"], "class": "office"}
+    assert server.client.put(f"{path}/zones/A", json=notes).status_code == 200
+    assert asked(server, path, "go to the way out")["route"]["target"] == "A"
+    assert asked(server, path, "path from B to küche")["route"]["target"] == "A"
+    assert asked(server, path, "nearest office from B")["zone"] == "A"
+    assert [it["zone"] for it in asked(server, path, "list zones of class Office")["zones"]] == [
+        "A"
+    ]
+    assert asked(server, path, "list classes")["classes"] == [
+        {"zone_class": "office", "zones": ["A"]}
+    ]
+    listed = asked(server, path, "list zones")["zones"]
+    assert {"zone": "A", "label": "A", "zone_class": "office", "aliases": notes["aliases"]} in (
+        listed
+    )
+
+
+def test_what_is_closed_is_said_to_be(server: Server) -> None:
+    path = server.create(world=paper_world())
+    for document in paper_steps()[:45]:
+        server.step(path, document)
+    closing = {"passage": {"source": "corridor", "target": "A"}, "closed": True}
+    made = server.client.post(f"{path}/restrictions", json=closing)
+    assert made.status_code == 201, made.text
+    reply = server.client.post(f"{path}/query", json={"text": "path from B to A"}).json()
+    assert (reply["code"], reply["restricted"]) == ("no_route", True)
+    assert "but for what is closed or avoided" in reply["detail"]
+    assert asked(server, path, "is there a way from B to A")["connected"] is False
+    assert asked(server, path, "which zones are reachable from B")["zones"] == ["corridor"]
