@@ -20,8 +20,8 @@ TRAIL_MAX = 1_000
 class Layer(StrEnum):
     """What a picture may show; drawn in this order."""
 
-    ZONES = "zones"
     DOORWAYS = "doorways"
+    ZONES = "zones"
     FRONTIERS = "frontiers"
     BORDERS = "borders"
     TRAIL = "trail"

@@ -33,8 +33,8 @@ def draw_metric_map(state: MapState, drawing: Drawing, frame: Frame) -> str:
     zones = list(state.metric.zones.values())
     width, height = frame.size
     layers = {
-        Layer.ZONES: _areas(zones, frame),
         Layer.DOORWAYS: _doorways(state, frame),
+        Layer.ZONES: _areas(zones, frame),
         Layer.FRONTIERS: _frontiers(zones, frame),
         Layer.BORDERS: _borders(zones, frame),
         Layer.TRAIL: _trail(drawing.trail, frame),

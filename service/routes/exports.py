@@ -7,7 +7,7 @@ from typing import Annotated
 
 from fastapi import APIRouter, Query, Request, Response
 
-from semtopo import MapState
+from semtopo import Atlas
 from semtopo.exports import EXPORTS, RADIUS_MAX, Format
 from semtopo.exports.chart import Chart
 from semtopo.exports.geojson import border_features
@@ -53,5 +53,5 @@ async def export_map(
     return unless_known(partial(Response, media_type=EXPORTS[form].media_type), body, if_none_match)
 
 
-def _written(state: MapState, form: Format, radius: float) -> bytes:
-    return EXPORTS[form].write(Chart(state, border_features(state), radius, WORK_MAX))
+def _written(atlas: Atlas, form: Format, radius: float) -> bytes:
+    return EXPORTS[form].write(Chart(atlas.state, border_features(atlas.state), radius, WORK_MAX))
