@@ -62,67 +62,86 @@ export class AskBox {
   show(words, body, refused) {
     const box = byId("answer");
     box.classList.toggle("refused", refused);
-    const clear = el("button", { type: "button", onclick: () => this.clear() }, "Clear");
-    box.replaceChildren(el("p", { class: "said" }, words), ...this.facts(body, refused), el("div", { class: "chips" }, clear));
-    this.session.store.set({ answer: refused ? this.gap(body) : this.way(body) });
+    const gap = refused ? body : body.gap;
+    box.replaceChildren(
+      el("p", { class: "said" }, words),
+      ...this.facts(body, gap).map((fact) => el("p", { class: "facts" }, fact)),
+      el("div", { class: "chips" }, ...this.offers(body),
+        el("button", { type: "button", onclick: () => this.clear() }, "Clear")),
+    );
+    this.session.store.set({ answer: gap ? this.gap(gap) : this.found(body) });
   }
 
   clear() {
     this.asked = "";
+    this.number += 1;
     byId("answer").replaceChildren();
     byId("question").value = "";
     this.session.store.set({ answer: null });
   }
 
-  /** @param {any} body @param {boolean} refused @returns {HTMLElement[]} */
-  facts(body, refused) {
-    const route = body.route;
-    if (!refused && route) {
-      const path = route.path;
-      const more = path ? `, path ${fixed(path.length)} m, at least ${fixed(path.clearance)} m from walls` : "";
-      return [el("p", { class: "facts" }, `${route.zones.join(" \u2192 ")} \u00b7 ${fixed(route.length)} m${more}`)];
-    }
-    if (!refused) return [];
+  /** @param {any} body @returns {HTMLElement[]} questions to ask instead */
+  offers(body) {
+    const texts = [body.example, ...(body.readings ?? [])].filter((one) => typeof one === "string");
+    return texts.map((text) => el("button", { type: "button", onclick: () => {
+      byId("question").value = text;
+      void this.ask(text);
+    } }, text));
+  }
+
+  /** @param {any} body @param {any} gap @returns {string[]} */
+  facts(body, gap) {
     const facts = [];
-    if (body.missing) facts.push(`Known is only the way back, ${body.missing.target} \u2192 ${body.missing.source}.`);
-    if (body.frontier) facts.push("The ring on the map marks the nearest place where the map is not finished.");
-    return facts.map((fact) => el("p", { class: "facts" }, fact));
+    const { route } = body;
+    if (route) facts.push(`${route.zones.join(" \u2192 ")} \u00b7 ${fixed(route.length)} m`);
+    if (gap?.frontier) facts.push("The green ring on the map marks the frontier to explore; the dashed line, the passage that is missing.");
+    const near = [...(body.closest ?? []), ...(body.candidates ?? [])];
+    if (near.length > 0) facts.push(`Known are: ${near.join(", ")}.`);
+    if (this.session.state.at !== null) facts.push(`This is about the newest map, that of step ${this.session.state.seq}.`);
+    return facts;
   }
 
   /** @param {any} body of an answer @returns {Answer} */
-  way(body) {
+  found(body) {
     const shown = nothing();
-    const routes = body.routes ?? (body.route ? [body.route] : []);
-    for (const route of routes.slice(0, 1)) {
-      shown.zones.push(...route.zones);
-      shown.edges.push(...route.passages.map(edgeKey));
-      const points = route.path?.points ?? route.points ?? this.stations(route);
-      shown.lines.push(points);
-      shown.points.push(...(route.path || route.points ? [points[0], points[points.length - 1]] : []));
+    if (body.route) this.addRoute(shown, body.route);
+    for (const one of [body.zone, ...(body.zones ?? []), ...(body.neighbours ?? [])]) {
+      const id = typeof one === "string" ? one : one?.zone;
+      if (id) shown.zones.push(id);
+      if (one?.point) shown.points.push(one.point);
     }
+    for (const passage of body.passages ?? []) shown.edges.push(edgeKey(passage));
+    for (const frontier of body.frontiers ?? []) shown.frontiers.push(frontier.point);
     return shown;
   }
 
-  /** @param {any} route one that tells no points: from the robot or the first zone's middle to the last one's */
+  /** @param {Answer} shown @param {any} route */
+  addRoute(shown, route) {
+    shown.zones.push(...route.zones);
+    shown.edges.push(...route.passages.map(edgeKey));
+    const points = route.path?.points ?? this.stations(route);
+    shown.lines.push(points);
+    shown.points.push(points[0], points[points.length - 1]);
+  }
+
+  /** @param {any} route one without a path: from the middle of its first zone through its passages @returns {[number, number][]} */
   stations(route) {
     const zones = new Map(this.session.state.moment.zones.map((zone) => [zone.id, zone]));
     const ends = [route.zones[0], route.zones[route.zones.length - 1]].map((id) => zones.get(id)?.pole);
-    const middle = route.passages.map((/** @type {any} */ passage) => passage.point);
-    return [...(ends[0] ? [[ends[0].x, ends[0].y]] : []), ...middle, ...(ends[1] ? [[ends[1].x, ends[1].y]] : [])];
+    const [first, last] = ends.map((pole) => (pole ? [[pole.x, pole.y]] : []));
+    return [...first, ...route.passages.map((/** @type {any} */ passage) => passage.point), ...last];
   }
 
-  /** @param {any} body of a refusal @returns {Answer} */
+  /** @param {any} body what a refusal tells of the gap @returns {Answer} */
   gap(body) {
     const shown = nothing();
     shown.zones.push(...(body.reachable ?? []));
     if (body.missing) {
       shown.missingEdges.push(body.missing);
-      const zones = new Map(this.session.state.moment.zones.map((zone) => [zone.id, zone]));
-      const back = this.session.state.graph.edges.find((edge) => edge.source === body.missing.target && edge.target === body.missing.source);
-      const from = zones.get(body.missing.source)?.pole;
-      const to = zones.get(body.missing.target)?.pole;
+      const { source, target } = body.missing;
+      const back = this.session.state.graph.edges.find((edge) => edge.source === target && edge.target === source);
+      const to = this.session.state.moment.zones.find((zone) => zone.id === target)?.pole;
       if (back && to) shown.missing.push([back.point, [to.x, to.y]]);
-      else if (from && to) shown.missing.push([[from.x, from.y], [to.x, to.y]]);
     }
     if (body.frontier) shown.frontiers.push(body.frontier.point);
     return shown;

@@ -175,3 +175,15 @@ export function drawPoint(context, camera, [x, y], { fill, closed = false, large
   context.strokeStyle = colour("bad");
   context.stroke();
 }
+
+/** @param {Context} context @param {Camera} camera @param {[number, number]} point @param {string} stroke */
+export function drawRing(context, camera, [x, y], stroke) {
+  context.beginPath();
+  context.arc(x, y, 11 * camera.pixel, 0, 2 * Math.PI);
+  context.lineWidth = 7 * camera.pixel;
+  context.strokeStyle = colour("halo");
+  context.stroke();
+  context.lineWidth = 3.5 * camera.pixel;
+  context.strokeStyle = stroke;
+  context.stroke();
+}

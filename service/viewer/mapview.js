@@ -199,6 +199,6 @@ export class MapView {
     context.setLineDash([8 * this.camera.pixel, 6 * this.camera.pixel]);
     for (const line of answer.missing) layers.drawLine(context, this.camera, line, colour("bad"), 2.5);
     context.setLineDash([]);
-    for (const point of answer.frontiers) layers.drawPoint(context, this.camera, point, { fill: colour("frontier"), large: true });
+    for (const point of answer.frontiers) layers.drawRing(context, this.camera, point, colour("frontier"));
   }
 }

@@ -44,9 +44,9 @@ export function eventParser(told, id) {
   return {
     /** @param {string} text */
     feed(text) {
-      const lines = (rest + text).split(/\r\n|\n|\r/);
+      const lines = (rest + text).split("\n");
       rest = lines.pop() ?? "";
-      lines.forEach(take);
+      for (const line of lines) take(line.replace(/\r$/, ""));
       return id;
     },
   };
