@@ -2,7 +2,8 @@
 
 import { shortened } from "./labels.js";
 
-const SPACE = 34; // pixels between nodes
+const SPACE = 26; // pixels between nodes
+const STRETCH_MAX = 3; // of one axis against the other, so that the panel is filled
 const ROUNDS = 80;
 
 /**
@@ -21,9 +22,10 @@ export const HALF_HEIGHT = 15;
  * @param {{id: string, label: string}[]} nodes
  * @param {Map<string, import("./model.js").Zone>} zones
  * @param {(words: string) => number} measure width in pixels
+ * @param {number} aspect width of the panel over its height
  * @returns {Map<string, Placed>}
  */
-export function layOut(nodes, zones, measure) {
+export function layOut(nodes, zones, measure, aspect) {
   /** @type {Placed[]} */
   const placed = nodes.map((node, number) => {
     const zone = zones.get(node.id);
@@ -31,7 +33,7 @@ export function layOut(nodes, zones, measure) {
     const [x, y] = zone ? [(zone.box[0] + zone.box[2]) / 2, (zone.box[1] + zone.box[3]) / 2] : [0, 0];
     return { id: node.id, words, x, y, half: measure(words) / 2 + 14, number: zone?.number ?? number };
   });
-  spread(placed);
+  spread(placed, aspect);
   const homes = placed.map(({ x, y }) => [x, y]);
   for (let round = 0; round < ROUNDS; round += 1) {
     const moved = separate(placed);
@@ -45,19 +47,19 @@ export function layOut(nodes, zones, measure) {
   return new Map(placed.map((one) => [one.id, one]));
 }
 
-/** Scale the places so that the nodes have room. @param {Placed[]} placed */
-function spread(placed) {
+/** Scale the places so that the nodes have room and fill the panel. @param {Placed[]} placed @param {number} aspect */
+function spread(placed, aspect) {
   const xs = placed.map((one) => one.x);
   const ys = placed.map((one) => one.y);
-  const [left, right] = [least(xs), -least(xs.map((x) => -x))];
-  const [low, high] = [least(ys), -least(ys.map((y) => -y))];
-  const width = Math.max(right - left, 1e-9);
-  const height = Math.max(high - low, 1e-9);
-  const room = placed.reduce((sum, one) => sum + (2 * one.half + 2 * SPACE) * (2 * HALF_HEIGHT + 2 * SPACE), 0);
-  const scale = Math.sqrt((1.6 * room) / Math.max(width * height, Math.max(width, height) ** 2 / 6));
+  const [left, low] = [least(xs), least(ys)];
+  const width = Math.max(-least(xs.map((x) => -x)) - left, 1e-9);
+  const height = Math.max(-least(ys.map((y) => -y)) - low, 1e-9);
+  const room = placed.reduce((sum, one) => sum + 2 * (one.half + SPACE) * 2 * (HALF_HEIGHT + SPACE), 0);
+  const stretch = Math.min(Math.max((aspect * height) / width, 1 / STRETCH_MAX), STRETCH_MAX);
+  const scale = Math.sqrt(room / Math.max(width * stretch * height, Math.max(width * stretch, height) ** 2 / 8));
   for (const one of placed) {
     // a golden spiral keeps nodes of one place apart, always in the same way
-    one.x = (one.x - left) * scale + Math.cos(one.number * 2.4) * 3;
+    one.x = (one.x - left) * scale * stretch + Math.cos(one.number * 2.4) * 3;
     one.y = (one.y - low) * scale + Math.sin(one.number * 2.4) * 3;
   }
 }

@@ -48,7 +48,7 @@ export class GraphView {
     if (!known && nodes.every((node) => newest.has(node.id))) {
       const context = this.stage.context;
       context.font = font(13);
-      this.placed = layOut(nodes, newest, (words) => context.measureText(words).width);
+      this.placed = layOut(nodes, newest, (words) => context.measureText(words).width, this.camera.width / this.camera.height);
       if (!this.touched) this.fit();
     }
     const hint = byId("graph-hint");

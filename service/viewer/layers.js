@@ -63,15 +63,15 @@ export function drawBorders(context, camera, borders) {
   const { pixel } = camera;
   context.lineCap = "round";
   context.lineJoin = "round";
-  context.lineWidth = 2.25 * pixel;
+  context.lineWidth = 2 * pixel;
   context.strokeStyle = colour("wall");
   context.stroke(borders.obstacle);
   context.strokeStyle = colour("passage");
   context.lineWidth = 3 * pixel;
   context.stroke(borders.passage);
   context.strokeStyle = colour("frontier");
-  context.lineWidth = 2.25 * pixel;
-  context.setLineDash([5 * pixel, 5 * pixel]);
+  context.lineWidth = 1.75 * pixel;
+  context.setLineDash([4 * pixel, 5 * pixel]);
   context.stroke(borders.free);
   context.setLineDash([]);
 }
@@ -157,12 +157,12 @@ export function drawLine(context, camera, points, stroke, width) {
 
 /** @param {Context} context @param {Camera} camera @param {[number, number]} point @param {{fill: string, closed?: boolean, large?: boolean}} look */
 export function drawPoint(context, camera, [x, y], { fill, closed = false, large = false }) {
-  const r = (large ? 7 : 4.5) * camera.pixel;
+  const r = (large ? 7 : Math.min(4.5, Math.max(2, 0.13 * camera.scale))) * camera.pixel;
   context.beginPath();
   context.arc(x, y, r, 0, 2 * Math.PI);
   context.fillStyle = fill;
   context.fill();
-  context.lineWidth = 2 * camera.pixel;
+  context.lineWidth = (large ? 2 : Math.min(2, 0.08 * camera.scale)) * camera.pixel;
   context.strokeStyle = colour("halo");
   context.stroke();
   if (!closed) return;
