@@ -12,6 +12,22 @@ export class Camera {
     this.height = 1;
     this.least = 1e-4;
     this.most = 4_000;
+    /** @type {number | null} */
+    this.drawnAs = null;
+  }
+
+  /** Look at the same place as another camera, with a margin around it. @param {Camera} other @param {number} margin */
+  wider(other, margin) {
+    this.resize(other.width * (1 + 2 * margin), other.height * (1 + 2 * margin));
+    this.x = other.x;
+    this.y = other.y;
+    this.scale = other.scale;
+    this.drawnAs = other.size;
+  }
+
+  /** @param {Camera} other @returns {boolean} whether both look at the same place as near */
+  looksAs(other) {
+    return this.x === other.x && this.y === other.y && this.scale === other.scale;
   }
 
   /** @param {number} width @param {number} height in pixels */
@@ -58,7 +74,7 @@ export class Camera {
 
   /** How much larger lines and letters are on a wall than on a desk. */
   get size() {
-    return Math.min(Math.max(Math.min(this.width, this.height) / 700, 1), 1.7);
+    return this.drawnAs ?? Math.min(Math.max(Math.min(this.width, this.height) / 700, 1), 1.7);
   }
 
   /** A pixel in m, or somewhat more on a wall. */

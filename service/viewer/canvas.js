@@ -1,34 +1,102 @@
-/** A canvas that is as large as its box and is drawn when something has changed, once a frame. */
+/**
+ * A canvas in two layers: a ground that is kept as a picture, and what moves above it.
+ *
+ * While the camera moves, the picture is moved along; it is drawn anew when the camera rests, or as
+ * often as that takes little of the time. So panning is smooth however much there is to draw.
+ */
 
+import { Camera } from "./camera.js";
 import { onTheme } from "./theme.js";
+
+const MARGIN = 0.2; // of the view, on each side of the picture
+const CHEAP_MS = 5; // a picture that takes no longer is drawn anew each frame
+const REST_MS = 110;
+const SHARE = 5; // a dear picture is drawn for a fifth of the time at most
 
 export class Stage {
   /**
    * @param {HTMLCanvasElement} canvas
-   * @param {(context: CanvasRenderingContext2D, ratio: number) => void} draw
-   * @param {(width: number, height: number) => void} resized in CSS pixels
+   * @param {Camera} camera
+   * @param {(context: CanvasRenderingContext2D, camera: Camera, ratio: number) => void} ground
+   * @param {(context: CanvasRenderingContext2D, camera: Camera, ratio: number) => void} above
+   * @param {() => void} resized
    */
-  constructor(canvas, draw, resized) {
+  constructor(canvas, camera, ground, above, resized) {
     this.canvas = canvas;
+    this.camera = camera;
+    this.ground = ground;
+    this.above = above;
     this.context = /** @type {CanvasRenderingContext2D} */ (canvas.getContext("2d", { alpha: false }));
-    this.draw = draw;
+    this.picture = document.createElement("canvas");
+    this.taken = new Camera();
+    this.valid = false;
+    this.cost = 0;
+    this.takenAt = -Infinity;
     this.waiting = 0;
+    this.resting = 0;
     this.ratio = 1;
     new ResizeObserver(() => {
       this.ratio = Math.min(window.devicePixelRatio || 1, 3);
-      const { clientWidth, clientHeight } = canvas;
-      canvas.width = Math.round(clientWidth * this.ratio);
-      canvas.height = Math.round(clientHeight * this.ratio);
-      resized(clientWidth, clientHeight);
+      canvas.width = Math.round(canvas.clientWidth * this.ratio);
+      canvas.height = Math.round(canvas.clientHeight * this.ratio);
+      camera.resize(canvas.clientWidth, canvas.clientHeight);
+      this.takenAt = -Infinity;
+      resized();
       this.invalidate();
     }).observe(canvas);
-    onTheme(() => this.invalidate());
+    onTheme(() => { this.takenAt = -Infinity; this.invalidate(); });
   }
 
+  /** What is drawn on the ground has changed. */
   invalidate() {
+    this.valid = false;
+    this.refresh();
+  }
+
+  /** The camera has moved, or what is above has changed. */
+  refresh() {
     this.waiting ||= requestAnimationFrame(() => {
       this.waiting = 0;
-      if (this.canvas.width > 0 && this.canvas.height > 0) this.draw(this.context, this.ratio);
+      if (this.canvas.width > 0 && this.canvas.height > 0) this.draw();
     });
+  }
+
+  draw() {
+    const { context, camera, ratio } = this;
+    const still = this.valid && this.taken.looksAs(camera);
+    const now = performance.now();
+    const moved = !this.taken.looksAs(camera) && this.takenAt > 0;
+    if (!still && (this.cost <= CHEAP_MS || (!moved && now - this.takenAt > SHARE * this.cost))) this.take();
+    else if (!still) this.rest();
+    context.setTransform(ratio, 0, 0, ratio, 0, 0);
+    const [x0, y0] = camera.toScreen(...this.taken.toMap(0, 0));
+    const [x1, y1] = camera.toScreen(...this.taken.toMap(this.taken.width, this.taken.height));
+    if (x0 > 0 || y0 > 0 || x1 < camera.width || y1 < camera.height) {
+      context.fillStyle = getComputedStyle(this.canvas.parentElement ?? this.canvas).backgroundColor;
+      context.fillRect(0, 0, camera.width, camera.height);
+    }
+    context.drawImage(this.picture, x0, y0, x1 - x0, y1 - y0);
+    this.above(context, camera, ratio);
+  }
+
+  /** Draw the picture for where the camera is. */
+  take() {
+    const began = performance.now();
+    this.taken.wider(this.camera, MARGIN);
+    const width = Math.round(this.taken.width * this.ratio);
+    const height = Math.round(this.taken.height * this.ratio);
+    if (this.picture.width !== width) this.picture.width = width;
+    if (this.picture.height !== height) this.picture.height = height;
+    const context = /** @type {CanvasRenderingContext2D} */ (this.picture.getContext("2d", { alpha: false }));
+    this.ground(context, this.taken, this.ratio);
+    this.valid = true;
+    this.takenAt = performance.now();
+    this.cost = this.takenAt - began;
+  }
+
+  /** Draw it anew when nothing has moved for a moment. */
+  rest() {
+    clearTimeout(this.resting);
+    this.resting = window.setTimeout(() => { this.takenAt = -Infinity; this.refresh(); }, REST_MS);
   }
 }

@@ -22,22 +22,23 @@ export class GraphView {
     this.placed = new Map();
     const canvas = (this.canvas = byId("graph").cloneNode());
     byId("graph").replaceWith(canvas);
-    this.stage = new Stage(canvas, (context, ratio) => this.draw(context, ratio), (width, height) => {
-      this.camera.resize(width, height);
-      if (!this.touched) this.fit();
-    });
+    this.stage = new Stage(canvas, this.camera,
+      (context, camera, ratio) => this.drawGround(context, camera, ratio),
+      (context, camera, ratio) => this.drawAbove(context, camera, ratio),
+      () => { if (!this.touched) this.fit(); });
     handle(canvas, this.camera, {
-      moved: () => { this.touched = true; this.stage.invalidate(); },
+      moved: () => { this.touched = true; this.stage.refresh(); },
       fit: () => this.fit(),
       tapped: (px, py) => session.store.set({ selected: this.hit(px, py) }),
       hovered: (at) => this.hovered(at),
       key: () => false,
     });
-    byId("graph-in").onclick = () => { this.camera.zoom(1.4); this.stage.invalidate(); };
-    byId("graph-out").onclick = () => { this.camera.zoom(1 / 1.4); this.stage.invalidate(); };
+    byId("graph-in").onclick = () => { this.camera.zoom(1.4); this.stage.refresh(); };
+    byId("graph-out").onclick = () => { this.camera.zoom(1 / 1.4); this.stage.refresh(); };
     byId("graph-fit").onclick = () => this.fit();
     session.store.on(["graph", "moment"], () => this.changed());
-    session.store.on(["at", "hover", "selected", "answer", "restrictions", "seq"], () => this.stage.invalidate());
+    session.store.on(["at", "restrictions"], () => this.stage.invalidate());
+    session.store.on(["hover", "selected", "answer"], () => this.stage.refresh());
   }
 
   /** Lay out anew where there are other nodes than before. */
@@ -107,20 +108,32 @@ export class GraphView {
     this.canvas.classList.toggle("pointing", Boolean(found));
   }
 
-  /** @param {CanvasRenderingContext2D} context @param {number} ratio */
-  draw(context, ratio) {
+  /** What changes only with the graph. @param {CanvasRenderingContext2D} context @param {Camera} camera @param {number} ratio */
+  drawGround(context, camera, ratio) {
     context.setTransform(ratio, 0, 0, ratio, 0, 0);
     context.fillStyle = colour("panel");
-    context.fillRect(0, 0, this.camera.width, this.camera.height);
+    context.fillRect(0, 0, camera.width, camera.height);
+    turn(context, camera, ratio);
     const { nodes, edges } = this.session.graphShown();
-    const { hover, selected, answer } = this.session.state;
+    for (const edge of edges) this.drawEdge(context, edge, false, false);
+    for (const node of nodes) this.drawNode(context, node.id, false, false);
+  }
+
+  /** What is looked at or was asked for. @param {CanvasRenderingContext2D} context @param {Camera} camera @param {number} ratio */
+  drawAbove(context, camera, ratio) {
+    turn(context, camera, ratio);
+    const { hover, selected, answer, graph } = this.session.state;
     const lit = new Set([hover, selected].filter((one) => one !== null).map((one) => `${one.kind} ${one.id}`));
-    const route = new Set(answer?.edges ?? []);
-    const s = this.camera.scale * ratio;
-    context.setTransform(s, 0, 0, s, (this.camera.width / 2) * ratio - this.camera.x * s, (this.camera.height / 2) * ratio + this.camera.y * s);
-    for (const edge of edges) this.drawEdge(context, edge, lit.has(`edge ${edge.key}`), route.has(edge.key));
+    const onRoute = new Set(answer?.edges ?? []);
+    const zones = new Set(answer?.zones ?? []);
+    if (lit.size + onRoute.size + zones.size === 0) return;
+    const edges = graph.edges.filter((edge) => lit.has(`edge ${edge.key}`) || onRoute.has(edge.key));
+    for (const edge of edges) this.drawEdge(context, edge, lit.has(`edge ${edge.key}`), onRoute.has(edge.key));
     for (const missing of answer?.missingEdges ?? []) this.drawMissing(context, missing);
-    for (const node of nodes) this.drawNode(context, node.id, lit.has(`zone ${node.id}`), answer?.zones.includes(node.id));
+    const ends = new Set([...edges, ...(answer?.missingEdges ?? [])].flatMap((edge) => [edge.source, edge.target]));
+    for (const { id } of graph.nodes) {
+      if (zones.has(id) || ends.has(id) || lit.has(`zone ${id}`)) this.drawNode(context, id, lit.has(`zone ${id}`), zones.has(id));
+    }
   }
 
   /** @param {CanvasRenderingContext2D} context @param {import("./model.js").Edge} edge @param {boolean} lit @param {boolean} onRoute */
@@ -160,13 +173,19 @@ export class GraphView {
     context.strokeStyle = onRoute ? colour("route") : line;
     context.lineWidth = lit || onRoute ? 3 : 1.5;
     context.stroke();
-    if (this.camera.scale < 0.35) return; // too small to read
+    if (this.camera.scale < 0.35) return; // too small to be read
     context.font = font(13);
     context.textAlign = "center";
     context.textBaseline = "middle";
     context.fillStyle = text;
     context.fillText(one.words, one.x, -one.y + 0.5);
   }
+}
+
+/** @param {CanvasRenderingContext2D} context @param {Camera} camera @param {number} ratio y points down, for letters */
+function turn(context, camera, ratio) {
+  const s = camera.scale * ratio;
+  context.setTransform(s, 0, 0, s, (camera.width / 2) * ratio - camera.x * s, (camera.height / 2) * ratio + camera.y * s);
 }
 
 /** @param {[number, number][]} curve @param {number} t @returns {[number, number]} */

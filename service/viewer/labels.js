@@ -54,9 +54,10 @@ export function drawLabels(context, camera, zones, wanted) {
   for (const zone of seen.slice(0, 400)) {
     const words = shortened(zone.label);
     const width = widthOf(context, words);
+    const must = wanted.has(zone.id);
+    if (!must && width * sizes[sizes.length - 1] > (zone.box[2] - zone.box[0]) * scale) continue;
     const { x, y, r } = zone.pole;
     const [px, py] = camera.toScreen(x, y);
-    const must = wanted.has(zone.id);
     const across = Math.max(2 * r, 0.9 * (zone.box[2] - zone.box[0]) * (r > 0 ? 1 : 0)) * scale;
     const size = sizes.find((one) => one * width <= across && one <= 2.2 * r * scale) ?? (must ? 12 * camera.size : 0);
     if (size === 0) continue;

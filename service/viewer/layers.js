@@ -3,6 +3,8 @@
 import { colour, shade } from "./palette.js";
 import { meet } from "./geometry.js";
 
+const SMALL = 48; // pixels; a smaller zone is drawn without details
+
 /** @typedef {CanvasRenderingContext2D} Context */
 /** @typedef {import("./camera.js").Camera} Camera */
 
@@ -34,6 +36,11 @@ export function drawWorld(context, camera, world) {
   context.setLineDash([]);
 }
 
+/** @param {Camera} camera @param {import("./model.js").Zone} zone @returns {number} pixels */
+function extent(camera, zone) {
+  return Math.max(zone.box[2] - zone.box[0], zone.box[3] - zone.box[1]) * camera.scale;
+}
+
 /** @param {Context} context @param {Camera} camera @param {import("./model.js").Zone[]} zones */
 export function drawZones(context, camera, zones) {
   const { window } = camera;
@@ -42,12 +49,14 @@ export function drawZones(context, camera, zones) {
   for (const zone of zones) {
     if (!meet(zone.box, window)) continue;
     const { area, line } = shade(zone.number);
+    const size = extent(camera, zone);
+    const path = size < SMALL ? zone.coarse : zone.path;
     context.fillStyle = area;
-    context.fill(zone.path, "evenodd");
-    if ((zone.box[2] - zone.box[0]) * camera.scale < 4) continue;
+    context.fill(path, "evenodd");
+    if (size < 6) continue;
     context.strokeStyle = line;
     context.globalAlpha = 0.55;
-    context.stroke(zone.path);
+    context.stroke(path);
     context.globalAlpha = 1;
   }
 }
@@ -58,31 +67,31 @@ export function drawDoorways(context, doorways) {
   for (const doorway of doorways) context.fill(doorway.path, "evenodd");
 }
 
-/** @param {Context} context @param {Camera} camera @param {any} borders */
-export function drawBorders(context, camera, borders) {
-  const { pixel } = camera;
+/** @type {["obstacle" | "passage" | "free", string, number, number[]][]} what is drawn how: colour, pixels, dashes */
+const BORDERS = [["obstacle", "wall", 2, []], ["passage", "passage", 3, []], ["free", "frontier", 1.75, [4, 5]]];
+
+/** @param {Context} context @param {Camera} camera @param {import("./model.js").Zone[]} zones @param {Map<string, import("./model.js").Borders>} borders */
+export function drawBorders(context, camera, zones, borders) {
+  const { pixel, window } = camera;
+  const seen = zones.filter((zone) => borders.has(zone.id) && extent(camera, zone) > SMALL / 2 && meet(zone.box, window));
   context.lineCap = "round";
   context.lineJoin = "round";
-  context.lineWidth = 2 * pixel;
-  context.strokeStyle = colour("wall");
-  context.stroke(borders.obstacle);
-  context.strokeStyle = colour("passage");
-  context.lineWidth = 3 * pixel;
-  context.stroke(borders.passage);
-  context.strokeStyle = colour("frontier");
-  context.lineWidth = 1.75 * pixel;
-  context.setLineDash([4 * pixel, 5 * pixel]);
-  context.stroke(borders.free);
+  for (const [kind, name, width, dashes] of BORDERS) {
+    context.strokeStyle = colour(name);
+    context.lineWidth = width * pixel;
+    context.setLineDash(dashes.map((dash) => dash * pixel));
+    for (const zone of seen) context.stroke(/** @type {any} */ (borders.get(zone.id))[kind]);
+  }
   context.setLineDash([]);
 }
 
-/** @param {Context} context @param {Camera} camera @param {[number, number, number][]} poses @param {number} count */
-export function drawTrail(context, camera, poses, count) {
+/** @param {Context} context @param {Camera} camera @param {[number, number, number][]} poses @param {number} first @param {number} count up to this step */
+export function drawTrail(context, camera, poses, first, count) {
   context.beginPath();
   let pen = false;
   let last = [Infinity, Infinity];
   const least = 1.5 * camera.pixel; // nearer points would not show
-  for (let n = 0; n < count; n += 1) {
+  for (let n = first; n < count; n += 1) {
     const pose = poses[n];
     if (!pose) { pen = false; continue; }
     if (pen && n < count - 1 && Math.abs(pose[0] - last[0]) + Math.abs(pose[1] - last[1]) < least) continue;
@@ -93,8 +102,9 @@ export function drawTrail(context, camera, poses, count) {
   }
   context.lineWidth = 1.5 * camera.pixel;
   context.strokeStyle = colour("trail");
-  context.setLineDash([1.5 * camera.pixel, 4 * camera.pixel]);
-  context.lineCap = "round";
+  context.lineCap = "butt";
+  context.lineJoin = "bevel";
+  if (count < 2_000) context.setLineDash([2 * camera.pixel, 3 * camera.pixel]); // dashes take long
   context.stroke();
   context.setLineDash([]);
 }

@@ -10,6 +10,7 @@ import * as layers from "./layers.js";
 import { colour, shade } from "./palette.js";
 
 const HIT_PIXELS = 10;
+const PLAIN_MAX = 250; // more zones in sight are drawn plain
 const LAYERS = { walls: "Walls, passages, frontiers", beams: "Beams", trail: "Trail", names: "Names", world: "The simulated world" };
 
 export class MapView {
@@ -23,22 +24,36 @@ export class MapView {
     this.shown = { walls: true, beams: true, trail: true, names: true, world: false };
     const canvas = (this.canvas = byId("map").cloneNode());
     byId("map").replaceWith(canvas); // a canvas of its own for each session
-    this.stage = new Stage(canvas, (context, ratio) => this.draw(context, ratio), (width, height) => {
-      this.camera.resize(width, height);
-      if (!this.fitted) this.fit();
-    });
+    this.stage = new Stage(canvas, this.camera,
+      (context, camera, ratio) => this.drawGround(context, camera, ratio),
+      (context, camera, ratio) => this.drawAbove(context, camera, ratio),
+      () => { if (!this.fitted) this.fit(); });
     handle(canvas, this.camera, {
-      moved: () => { this.fitted = true; this.stage.invalidate(); },
+      moved: () => this.moved(),
       fit: () => this.fit(),
       tapped: (px, py) => this.tapped(px, py),
       hovered: (at) => this.hovered(at),
       key: (event) => this.key(event, driveKey),
     });
-    byId("map-in").onclick = () => { this.camera.zoom(1.4); this.stage.invalidate(); };
-    byId("map-out").onclick = () => { this.camera.zoom(1 / 1.4); this.stage.invalidate(); };
+    byId("map-in").onclick = () => { this.camera.zoom(1.4); this.moved(); };
+    byId("map-out").onclick = () => { this.camera.zoom(1 / 1.4); this.moved(); };
     byId("map-fit").onclick = () => this.fit();
     this.buildMenu();
-    session.store.on(["moment", "poses", "seq", "at", "hover", "selected", "answer", "restrictions", "world", "driving", "graph"], () => this.changed());
+    session.store.on(["moment", "poses", "seq", "at", "restrictions", "world", "driving", "graph"], () => this.changed());
+    session.store.on(["hover", "selected", "answer"], () => this.stage.refresh());
+  }
+
+  moved() {
+    this.fitted = true;
+    this.stage.refresh();
+    this.wantDetails();
+  }
+
+  /** Ask for walls and doorways where zones are large enough to show them. */
+  wantDetails() {
+    const { zones } = this.state.moment;
+    const { window } = this.camera;
+    if (zones.length <= PLAIN_MAX || zones.filter((zone) => meet(zone.box, window)).length <= PLAIN_MAX) this.session.wantDetails();
   }
 
   get state() {
@@ -57,7 +72,7 @@ export class MapView {
   }
 
   changed() {
-    const { moment, poses, driving, world, selected } = this.state;
+    const { moment, poses, driving, world } = this.state;
     if (!this.fitted || !this.seen) this.fit();
     this.canvas.classList.toggle("driving", driving);
     const hint = byId("map-hint");
@@ -65,8 +80,8 @@ export class MapView {
     hint.textContent = world
       ? "Nothing is explored yet. Press Drive, then click where the robot should begin."
       : "Nothing is explored yet. The map begins with the first scan that the robot sends.";
+    this.wantDetails();
     this.stage.invalidate();
-    void selected;
   }
 
   /** @returns {import("./geometry.js").Box} */
@@ -136,25 +151,38 @@ export class MapView {
     tip.style.transform = `translate(${left}px, ${Math.max(at[1] - 34, 4)}px)`;
   }
 
-  /** @param {CanvasRenderingContext2D} context @param {number} ratio */
-  draw(context, ratio) {
-    const { camera, shown } = this;
+  /** What changes only with the map. @param {CanvasRenderingContext2D} context @param {Camera} camera @param {number} ratio */
+  drawGround(context, camera, ratio) {
+    const { shown } = this;
     const { moment, poses, world, driving } = this.state;
     layers.drawGround(context, camera, ratio);
     camera.apply(context, ratio);
     if (world && (shown.world || driving)) layers.drawWorld(context, camera, world);
     layers.drawZones(context, camera, moment.zones);
     if (moment.doorways) layers.drawDoorways(context, moment.doorways);
-    if (shown.walls && moment.borders) layers.drawBorders(context, camera, moment.borders);
-    this.drawLit(context);
+    if (shown.walls && moment.borders) layers.drawBorders(context, camera, moment.zones, moment.borders);
+    this.drawn = this.session.shown;
+    if (shown.trail) layers.drawTrail(context, camera, poses, 0, this.drawn);
+    this.drawPassages(context, camera, false);
+    context.setTransform(ratio, 0, 0, ratio, 0, 0);
+    if (shown.names) drawLabels(context, camera, moment.zones, new Set());
+  }
+
+  /** What moves. @param {CanvasRenderingContext2D} context @param {Camera} camera @param {number} ratio */
+  drawAbove(context, camera, ratio) {
+    const { shown } = this;
+    const { moment, poses } = this.state;
     const step = this.session.shown;
-    if (shown.trail) layers.drawTrail(context, camera, poses, step);
+    camera.apply(context, ratio);
+    this.drawLit(context);
+    if (shown.trail) layers.drawTrail(context, camera, poses, Math.max((this.drawn ?? 0) - 1, 0), step);
     if (shown.beams && moment.sight?.pose && moment.sight.seq === step) layers.drawBeams(context, camera, moment.sight);
     this.drawAnswer(context);
-    this.drawPassages(context);
+    this.drawPassages(context, camera, true);
     if (poses[step - 1]) layers.drawRobot(context, camera, poses[step - 1]);
     context.setTransform(ratio, 0, 0, ratio, 0, 0);
-    if (shown.names) drawLabels(context, camera, moment.zones, this.lit());
+    const lit = this.lit();
+    if (lit.size > 0) drawLabels(context, camera, moment.zones.filter((zone) => lit.has(zone.id)), lit);
   }
 
   /** @returns {Set<string>} zones that are hovered or selected, or ends of a passage that is */
@@ -178,15 +206,16 @@ export class MapView {
     }
   }
 
-  /** @param {CanvasRenderingContext2D} context */
-  drawPassages(context) {
+  /** @param {CanvasRenderingContext2D} context @param {Camera} camera @param {boolean} large those that are hovered or selected, or all */
+  drawPassages(context, camera, large) {
     const { hover, selected, moment } = this.state;
+    if (!large && camera.scale < 6 && moment.zones.length > PLAIN_MAX) return;
+    const wanted = new Set([hover, selected].map((one) => (one?.kind === "edge" ? one.id : "")));
     const numbers = new Map(moment.zones.map((zone) => [zone.id, zone.number]));
     for (const edge of this.session.graphShown().edges) {
-      const large = [hover, selected].some((one) => one?.kind === "edge" && one.id === edge.key);
-      if (!large && this.camera.scale < 6 && numbers.size > 60) continue;
+      if (large && !wanted.has(edge.key)) continue;
       const fill = shade(numbers.get(edge.source) ?? 0).line;
-      layers.drawPoint(context, this.camera, edge.point, { fill, large, closed: Boolean(this.session.closing(edge)) });
+      layers.drawPoint(context, camera, edge.point, { fill, large, closed: Boolean(this.session.closing(edge)) });
     }
   }
 

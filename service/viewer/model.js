@@ -12,6 +12,7 @@ import { growBox, noBox, pole } from "./geometry.js";
  * @property {number} number in order of finding
  * @property {import("./geometry.js").Ring[]} rings of all its polygons
  * @property {Path2D} path
+ * @property {Path2D} coarse the same with few points, for where it is small on the screen
  * @property {import("./geometry.js").Box} box
  * @property {{x: number, y: number, r: number}} pole
  */
@@ -31,11 +32,17 @@ function ringsOf(geometry) {
   return geometry.type === "Polygon" ? geometry.coordinates : geometry.coordinates.flat();
 }
 
-/** @param {import("./geometry.js").Ring[]} rings */
-function pathOf(rings) {
+/** @param {import("./geometry.js").Ring[]} rings @param {number} [least] distance from point to point, in m */
+function pathOf(rings, least = 0) {
   const path = new Path2D();
   for (const ring of rings) {
-    ring.forEach(([x, y], n) => (n === 0 ? path.moveTo(x, y) : path.lineTo(x, y)));
+    let [lx, ly] = ring[0];
+    path.moveTo(lx, ly);
+    for (const [x, y] of ring) {
+      if (Math.abs(x - lx) + Math.abs(y - ly) < least) continue;
+      path.lineTo(x, y);
+      [lx, ly] = [x, y];
+    }
     path.closePath();
   }
   return path;
@@ -56,10 +63,17 @@ export function zonesOf(body, known) {
     const box = growBox(noBox(), rings.flat());
     /** @type {{x: number, y: number, r: number} | null} */
     let middle = null;
-    const zone = {
+    /** @type {Path2D | null} */
+    let path = null;
+    /** @type {Path2D | null} */
+    let coarse = null;
+    const size = Math.max(box[2] - box[0], box[3] - box[1]);
+    const zone = { // what is costly is made when it is first needed
       id: feature.id, label: about.label, area: about.area, since: about.since, seq: about.seq,
-      number, rings, box, path: pathOf(rings),
-      get pole() { return (middle ??= pole(rings, box)); }, // found when it is first needed
+      number, rings, box,
+      get path() { return (path ??= pathOf(rings)); },
+      get coarse() { return (coarse ??= pathOf(rings, size / 30)); },
+      get pole() { return (middle ??= pole(rings, box)); },
     };
     known.set(key, zone);
     return zone;
@@ -79,19 +93,23 @@ export function graphOf(body) {
   };
 }
 
+/** @typedef {Record<"obstacle" | "passage" | "free", Path2D>} Borders */
+
 /**
- * Gather lines by what they are, so that each sort is drawn at once.
+ * Gather the lines of each zone by what they are.
  * @param {any} body of /borders
- * @returns {{obstacle: Path2D, passage: Path2D, free: Path2D}}
+ * @returns {Map<string, Borders>} by the id of the zone
  */
 export function bordersOf(body) {
-  const paths = { obstacle: new Path2D(), passage: new Path2D(), free: new Path2D() };
+  const all = new Map();
   for (const feature of body.features) {
-    const path = paths[/** @type {keyof typeof paths} */ (feature.properties.occupancy)];
+    const { zone_id: id, occupancy } = feature.properties;
+    if (!all.has(id)) all.set(id, { obstacle: new Path2D(), passage: new Path2D(), free: new Path2D() });
+    const path = all.get(id)[occupancy];
     feature.geometry.coordinates.forEach((/** @type {[number, number]} */ [x, y], /** @type {number} */ n) =>
       n === 0 ? path.moveTo(x, y) : path.lineTo(x, y));
   }
-  return paths;
+  return all;
 }
 
 /** @param {any} body of /doorways */

@@ -52,6 +52,7 @@ export class Session {
     this.reading = false;
     this.graphIsOld = false;
     this.settle = 0;
+    this.detailed = false;
   }
 
   get state() {
@@ -99,6 +100,26 @@ export class Session {
       this.store.set({ link: "gone" });
       complain(error);
     }
+  }
+
+  /** Read walls and doorways too, from now on: of a thousand zones they are many megabytes. */
+  wantDetails() {
+    if (this.detailed || this.state.session === null) return;
+    this.detailed = true;
+    this.moments.clear();
+    this.go(this.state.at);
+  }
+
+  /** @param {string} query @param {AbortSignal} [signal] @returns {Promise<Moment>} */
+  async read(query, signal) {
+    const parts = this.detailed ? ["/zones", "/scan", "/borders", "/doorways"] : ["/zones", "/scan"];
+    const [zones, sight, borders, doorways] = await Promise.all(parts.map((part) => this.get(part + query, signal)));
+    const moment = {
+      seq: zones.seq, zones: zonesOf(zones, this.known), sight,
+      ...(borders ? { borders: bordersOf(borders), doorways: doorwaysOf(doorways) } : {}),
+    };
+    this.keep(moment);
+    return moment;
   }
 
   async readTrail() {
@@ -167,27 +188,19 @@ export class Session {
   async readNewest() {
     const wanted = this.graphIsOld ? this.get("/graph") : null;
     this.graphIsOld = false;
-    const [zones, borders, doorways, sight, graph] = await Promise.all([
-      this.get("/zones"), this.get("/borders"), this.get("/doorways"), this.get("/scan"), wanted,
-    ]);
-    const moment = this.keep(zones, borders, doorways, sight);
+    const [moment, graph] = await Promise.all([this.read(""), wanted]);
     if (graph) this.store.set({ graph: graphOf(graph) });
     if (this.state.at === null) this.store.set({ moment, exact: true });
   }
 
-  /** @param {any} zones @param {any} borders @param {any} doorways @param {any} sight @returns {Moment} */
-  keep(zones, borders, doorways, sight) {
-    const moment = {
-      seq: zones.seq, zones: zonesOf(zones, this.known), borders: bordersOf(borders),
-      doorways: doorwaysOf(doorways), sight,
-    };
+  /** @param {Moment} moment */
+  keep(moment) {
     this.moments.set(moment.seq, moment);
     for (const seq of this.moments.keys()) {
       if (this.moments.size <= KEPT) break;
       this.moments.delete(seq);
     }
     this.forget();
-    return moment;
   }
 
   /** Let go of zones of moments that are let go. */
@@ -244,11 +257,7 @@ export class Session {
   async fetchMoment(at) {
     const going = (this.going = new AbortController());
     try {
-      const parts = ["/zones", "/borders", "/doorways", "/scan"];
-      const [zones, borders, doorways, sight] = await Promise.all(
-        parts.map((part) => this.get(`${part}?at=${at}`, going.signal)),
-      );
-      const moment = this.keep(zones, borders, doorways, sight);
+      const moment = await this.read(`?at=${at}`, going.signal);
       if (this.state.at === at) this.store.set({ moment, exact: true });
       else if (this.state.at !== null && this.state.at > at) this.store.set({ moment });
     } finally {
