@@ -2,22 +2,13 @@
 
 import { getJson, sessionPath } from "./api.js";
 import { complain } from "./dom.js";
-import { bordersOf, doorwaysOf, graphOf, worldOf, zonesOf } from "./model.js";
+import { graphOf, worldOf } from "./model.js";
+import { Moments } from "./moments.js";
 import { Store } from "./store.js";
 import { follow } from "./stream.js";
 
 const REFRESH_MS = 120; // between two readings of a map that grows
 const SETTLE_MS = 50; // a slider that rests so long is worth asking for
-const KEPT = 60; // moments
-
-/**
- * @typedef {object} Moment what is known of a map at one step
- * @property {number} seq
- * @property {import("./model.js").Zone[]} zones
- * @property {any} [borders]
- * @property {any[]} [doorways]
- * @property {any} [sight]
- */
 
 export class Session {
   /** @param {string} id */
@@ -30,7 +21,7 @@ export class Session {
       /** @type {number | null} the step that is looked at; null is live */ at: null,
       /** @type {[number, number, number][]} x, y, theta of each step */ poses: [],
       /** @type {any[]} steps that found something */ changes: [],
-      /** @type {Moment} */ moment: { seq: 0, zones: [] },
+      /** @type {import("./moments.js").Moment} */ moment: { seq: 0, zones: [] },
       exact: true,
       /** @type {ReturnType<typeof graphOf>} the newest */ graph: { nodes: [], edges: [] },
       /** @type {any} */ world: null,
@@ -41,10 +32,7 @@ export class Session {
       link: "waiting",
       driving: false,
     });
-    /** @type {Map<string, import("./model.js").Zone>} */
-    this.known = new Map();
-    /** @type {Map<number, Moment>} */
-    this.moments = new Map();
+    this.moments = new Moments((rest, signal) => this.get(rest, signal));
     this.ended = new AbortController();
     /** @type {AbortController | null} */
     this.going = null;
@@ -52,7 +40,6 @@ export class Session {
     this.reading = false;
     this.graphIsOld = false;
     this.settle = 0;
-    this.detailed = false;
   }
 
   get state() {
@@ -66,17 +53,17 @@ export class Session {
 
   /** Read what is needed to see something, then the rest, then follow. */
   async open() {
-    const [session, zones, graph] = await Promise.all([
-      this.get(""), this.get("/zones"), this.get("/graph"),
+    const [session, moment, graph] = await Promise.all([
+      this.get(""), this.moments.read(""), this.get("/graph"),
     ]);
-    const seq = zones.seq;
-    this.store.set({ session, seq, graph: graphOf(graph), moment: { seq, zones: zonesOf(zones, this.known) } });
+    const { seq } = moment;
+    this.store.set({ session, seq, graph: graphOf(graph), moment });
     this.stop = follow(`${this.path}/events`, seq, {
       told: (event, data) => this.told(event, data),
       link: (link) => this.store.set({ link }),
       outdated: () => void this.reopen(),
     });
-    await Promise.all([this.readTrail(), this.refresh(), this.readRestrictions(), this.readWorld()]);
+    await Promise.all([this.readTrail(), this.readRestrictions(), this.readWorld()]);
   }
 
   close() {
@@ -104,22 +91,7 @@ export class Session {
 
   /** Read walls and doorways too, from now on: of a thousand zones they are many megabytes. */
   wantDetails() {
-    if (this.detailed || this.state.session === null) return;
-    this.detailed = true;
-    this.moments.clear();
-    this.go(this.state.at);
-  }
-
-  /** @param {string} query @param {AbortSignal} [signal] @returns {Promise<Moment>} */
-  async read(query, signal) {
-    const parts = this.detailed ? ["/zones", "/scan", "/borders", "/doorways"] : ["/zones", "/scan"];
-    const [zones, sight, borders, doorways] = await Promise.all(parts.map((part) => this.get(part + query, signal)));
-    const moment = {
-      seq: zones.seq, zones: zonesOf(zones, this.known), sight,
-      ...(borders ? { borders: bordersOf(borders), doorways: doorwaysOf(doorways) } : {}),
-    };
-    this.keep(moment);
-    return moment;
+    if (this.state.session !== null && this.moments.wantDetails()) this.go(this.state.at);
   }
 
   async readTrail() {
@@ -188,26 +160,9 @@ export class Session {
   async readNewest() {
     const wanted = this.graphIsOld ? this.get("/graph") : null;
     this.graphIsOld = false;
-    const [moment, graph] = await Promise.all([this.read(""), wanted]);
+    const [moment, graph] = await Promise.all([this.moments.read(""), wanted]);
     if (graph) this.store.set({ graph: graphOf(graph) });
     if (this.state.at === null) this.store.set({ moment, exact: true });
-  }
-
-  /** @param {Moment} moment */
-  keep(moment) {
-    this.moments.set(moment.seq, moment);
-    for (const seq of this.moments.keys()) {
-      if (this.moments.size <= KEPT) break;
-      this.moments.delete(seq);
-    }
-    this.forget();
-  }
-
-  /** Let go of zones of moments that are let go. */
-  forget() {
-    if (this.known.size < 4 * (this.state.moment.zones.length + 500)) return;
-    const used = new Set([...this.moments.values(), this.state.moment].flatMap((moment) => moment.zones));
-    for (const [key, zone] of this.known) if (!used.has(zone)) this.known.delete(key);
   }
 
   /**
@@ -222,7 +177,7 @@ export class Session {
       this.store.set({ at: null });
       void this.refresh();
     } else if (!this.recall(at)) {
-      this.store.set({ at, moment: { seq: at, zones: this.union(at) }, exact: false });
+      this.store.set({ at, moment: { seq: at, zones: this.moments.guess(at, this.state.moment.zones) }, exact: false });
       this.settle = setTimeout(() => this.fetchMoment(at).catch(complain), SETTLE_MS);
     }
   }
@@ -238,26 +193,17 @@ export class Session {
 
   /** @param {number} at @returns {boolean} whether the map was known, and is shown */
   recall(at) {
-    const known = this.moments.get(at);
-    if (!known) return false;
-    this.moments.delete(at);
-    this.moments.set(at, known); // it is the most recent one now
-    this.store.set({ at, moment: known, exact: true });
+    const moment = this.moments.recall(at);
+    if (!moment) return false;
+    this.store.set({ at, moment, exact: true });
     return true;
-  }
-
-  /** @param {number} at @returns {import("./model.js").Zone[]} the zones there were, as large as they are known */
-  union(at) {
-    const newest = this.moments.get(Math.max(...this.moments.keys()));
-    const zones = new Map([...(newest?.zones ?? []), ...this.state.moment.zones].map((zone) => [zone.id, zone]));
-    return [...zones.values()].filter((zone) => zone.since <= at).sort((one, other) => one.number - other.number);
   }
 
   /** @param {number} at */
   async fetchMoment(at) {
     const going = (this.going = new AbortController());
     try {
-      const moment = await this.read(`?at=${at}`, going.signal);
+      const moment = await this.moments.read(`?at=${at}`, going.signal);
       if (this.state.at === at) this.store.set({ moment, exact: true });
       else if (this.state.at !== null && this.state.at > at) this.store.set({ moment });
     } finally {

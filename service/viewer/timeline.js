@@ -107,12 +107,14 @@ export class Timeline {
     const middle = height / 2;
     context.fillStyle = colour("line");
     context.fillRect(THUMB, middle - 2, width - 2 * THUMB, 4);
+    const dense = changes.length > width / 6;
+    context.globalAlpha = dense ? 0.3 : 1;
     for (const { seq: at, events } of changes) {
       const x = THUMB + (at / Math.max(seq, 1)) * (width - 2 * THUMB);
       const isZone = events.some((/** @type {any} */ event) => event.type === "node");
       context.fillStyle = isZone ? colour("accent") : colour("passage");
       const high = isZone ? 9 : 6;
-      context.fillRect(x - 1, middle - high, 2, 2 * high);
+      context.fillRect(x - 1, middle - high, dense ? 1 : 2, 2 * high);
     }
   }
 }
