@@ -85,6 +85,7 @@ export class Driver {
 
   async drive() {
     this.moving = true;
+    byId("session-view").dataset.moving = "true";
     try {
       while (this.waiting.length > 0) {
         const [x, y, theta] = /** @type {[number, number, number]} */ (this.waiting[0]);
@@ -98,6 +99,7 @@ export class Driver {
       complain(error);
     } finally {
       this.moving = false;
+      byId("session-view").dataset.moving = "false";
     }
   }
 }

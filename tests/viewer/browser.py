@@ -10,7 +10,7 @@ from contextlib import contextmanager
 from pathlib import Path
 
 import pytest
-from playwright.sync_api import Browser, BrowserContext, Page, sync_playwright
+from playwright.sync_api import Browser, BrowserContext, Page, expect, sync_playwright
 
 FLAGS = [
     "--headless",
@@ -22,6 +22,8 @@ FLAGS = [
     "--disable-component-update",
     "--disable-sync",
 ]
+
+WAIT_MS = 30_000  # for what must come; machines may be busy
 
 PICTURES = Path(__file__).parents[2] / "build" / "page"
 """Where pictures of the page are left to be looked at; git does not know the folder."""
@@ -41,6 +43,7 @@ def need_browser() -> str:
 def running_browser() -> Iterator[Browser]:
     """Give a browser that runs as long as it is needed."""
     path = need_browser()
+    expect.set_options(timeout=WAIT_MS)
     with sync_playwright() as playwright:
         browser = playwright.chromium.launch(executable_path=path, args=FLAGS)
         yield browser
@@ -66,7 +69,7 @@ def opened_page(
         color_scheme="dark" if dark else "light",
         reduced_motion="reduce",
     )
-    context.set_default_timeout(15_000)
+    context.set_default_timeout(WAIT_MS)
     page = context.new_page()
     errors: list[str] = []
     page.on("console", lambda told: errors.append(told.text) if told.type == "error" else None)
