@@ -107,10 +107,7 @@ export class Session {
   }
 
   async readRestrictions() {
-    const { restrictions } = await this.get("/restrictions").catch((error) => {
-      if (error.code === "not_found") return { restrictions: [] };
-      throw error;
-    });
+    const { restrictions } = await this.get("/restrictions");
     this.store.set({ restrictions });
   }
 
@@ -136,6 +133,7 @@ export class Session {
     const changes = step.events.length > 0 ? [...this.state.changes, step] : this.state.changes;
     if (step.events.length > 0) this.graphIsOld = true;
     this.store.set({ seq: Math.max(step.seq, this.state.seq), poses: poses.slice(), changes });
+    if (this.state.at === null) this.store.set({ exact: this.state.moment.seq >= this.state.seq });
     if (this.state.at === null || step.events.length > 0) void this.refresh();
   }
 
@@ -162,7 +160,8 @@ export class Session {
     this.graphIsOld = false;
     const [moment, graph] = await Promise.all([this.moments.read(""), wanted]);
     if (graph) this.store.set({ graph: graphOf(graph) });
-    if (this.state.at === null) this.store.set({ moment, exact: true });
+    const isNewest = moment.seq >= this.state.seq && !this.graphIsOld;
+    if (this.state.at === null) this.store.set({ moment, exact: isNewest });
   }
 
   /**
