@@ -11,14 +11,8 @@ from semtopo import (
     Answer,
     Atlas,
     MapState,
-    Place,
-    Route,
-    RouteRequest,
     UnknownStepError,
     answer,
-    find_routes,
-    resolve,
-    resolve_one,
 )
 from semtopo.codec import graph_body
 from semtopo.exports.sight import sight_body
@@ -112,14 +106,6 @@ class Maps:
         """Return the map of a session with its notes: now, or as of step `at`."""
         moment = await self.moment(session_id, at)
         return moment.atlas(await self._state(moment))
-
-    async def route_of(self, atlas: Atlas, source: str, target: str) -> Route:
-        """Return the route between two zones of a map, by their names."""
-        request = RouteRequest(
-            start=Place(resolve_one(atlas, source)),
-            goals=tuple(map(Place, resolve(atlas, target))),
-        )
-        return (await asyncio.to_thread(find_routes, atlas, request))[0]
 
     async def answer(self, session_id: str, text: str) -> Answer:
         """Return the answer to a sentence; in the thread that it takes, it may read older maps."""

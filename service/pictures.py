@@ -9,19 +9,24 @@ import asyncio
 from dataclasses import dataclass
 from functools import partial
 
-from semtopo import Atlas, MapState
+from semtopo import Atlas, MapState, find_routes
 from semtopo.render import render
 from semtopo.render.drawing import DEFAULT_LAYERS, Drawing, DrawnRoute, Layer, trail_stride
 from service import store
 from service.maps import Body, Maps, Moment
 from service.painter import Painter
 from service.painting import Form
+from service.routing import route_request
+from service.schemas.answers import RouteQuery
 from service.sessions import Sessions
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class PictureRequest:
-    """Asks for a picture of a map as of step `at`; with a route from zone to zone, if both are."""
+    """Asks for a picture of a map as of step `at`, and of a route in it from zone to zone, if any.
+
+    With a `radius` in m, the route is drawn as a path for a robot of that size.
+    """
 
     form: Form
     at: int | None = None
@@ -29,12 +34,13 @@ class PictureRequest:
     height: int | None = None
     layers: frozenset[Layer] = DEFAULT_LAYERS
     route: tuple[str, str] | None = None
+    radius: float | None = None
 
     @property
     def kind(self) -> str:
         """What tells its body from those of other requests for the same map."""
         size = f"{self.width} {self.height}"
-        return f"picture {self.form} {size} {sorted(self.layers)} {self.route}"
+        return f"picture {self.form} {size} {sorted(self.layers)} {self.route} {self.radius}"
 
 
 class Pictures:
@@ -80,9 +86,15 @@ class Pictures:
         return svg.encode() if asked.form is Form.SVG else await self._painter.png_of(svg)
 
     async def _route(self, atlas: Atlas, asked: PictureRequest) -> DrawnRoute | None:
-        """Return the route that is to be drawn, if any is."""
+        """Return the route that is to be drawn, if any is; with a radius, its path."""
         if asked.route is None:
             return None
-        found = await self._maps.route_of(atlas, *asked.route)
-        keys = frozenset(passage.key for passage in found.passages)
-        return DrawnRoute(found.points, keys)
+        source, target = asked.route
+        query = RouteQuery(source=source, target=target, radius=asked.radius)
+        return await asyncio.to_thread(_drawn_route, atlas, query)
+
+
+def _drawn_route(atlas: Atlas, query: RouteQuery) -> DrawnRoute:
+    found = find_routes(atlas, route_request(atlas, query))[0]
+    line = found.points if found.path is None else found.path.points
+    return DrawnRoute(line, frozenset(passage.key for passage in found.passages))

@@ -12,6 +12,7 @@ from service.painting import Form
 from service.parameters import AtStep, IfNoneMatch, SessionId, ZoneName, pictures_of
 from service.pictures import PictureRequest
 from service.replies import unless_known
+from service.schemas.answers import Radius
 from service.schemas.problems import problems
 
 router = APIRouter(
@@ -31,6 +32,10 @@ Layers = Annotated[
 ]
 From = Annotated[ZoneName | None, Query(alias="from", description="where a route to draw begins")]
 To = Annotated[ZoneName | None, Query(alias="to", description="where it ends")]
+
+Robot = Annotated[
+    Radius | None, Query(description="of the robot, in m: the route is drawn as a path for it")
+]
 
 _ALL = ",".join(sorted(DEFAULT_LAYERS))
 
@@ -70,13 +75,14 @@ async def draw_map(  # noqa: PLR0913 -- one for each parameter
     layers: Layers = _ALL,
     source: From = None,
     target: To = None,
+    radius: Robot = None,
 ) -> Response:
     """Draw a map, now or as of a step, as SVG or PNG; with `from` and `to`, the route between."""
     if (source is None) != (target is None):
         raise InvalidRequestError("a route needs both from and to")
     asked = PictureRequest(
         form=form, at=at, width=width, height=height, layers=read_layers(layers),
-        route=None if source is None or target is None else (source, target),
+        radius=radius, route=None if source is None or target is None else (source, target),
     )  # fmt: skip
     body = await pictures_of(request).picture(session_id, asked)
     return unless_known(_WRITTEN[form], body, if_none_match)

@@ -94,6 +94,16 @@ def test_a_route_is_drawn(server: Server, session: str, twin: Twin) -> None:
     assert len(route.passages) == 2
 
 
+def test_with_a_radius_the_path_is_drawn(server: Server, session: str, twin: Twin) -> None:
+    shown = server.get(f"{session}/map.svg", **{"from": "A", "to": "b", "radius": 0.2})
+    request = RouteRequest(start=Place("A"), goals=(Place("B"),), radius=0.2)
+    route = find_routes(Atlas(twin.states[-1]), request)[0]
+    assert route.path is not None
+    assert len(route.path.points) > len(route.points)
+    drawn = DrawnRoute(route.path.points, frozenset(it.key for it in route.passages))
+    assert shown.decode() == render(twin.states[-1], Drawing(trail=TRAIL, route=drawn))
+
+
 def test_a_png_has_the_size_asked_for_and_shows_the_map(server: Server, session: str) -> None:
     answer = server.client.get(f"{session}/map.png", params={"width": 800, "height": 400})
     assert answer.headers["Content-Type"] == "image/png"
