@@ -319,7 +319,8 @@ QUERIES = [
       for body in ("graph", "zones", "borders", "doorways")),
     *(case(f"picture {it}", f"/map.svg?{it}", 422, "invalid_request")
       for it in ("width=239", "height=4097", "width=-1", "width=1e3", "width=", "at=-1",
-                 "from=corridor", "to=A", "from=&to=A", "from=A&to=A&radius=-1", "radius=nan", f"layers={'a' * 201}")),
+                 "from=corridor", "to=A", "from=&to=A", "from=A&to=A&radius=-1", "radius=nan",
+                 f"layers={'a' * 201}")),
     *(case(f"layers {it}", f"/map.png?layers={it}", 422, "invalid_option")
       for it in ("", "walls", "zones,,graph", "%00", MARKER)),
     *(case(f"export {it}", f"/export/{it}", 422, "invalid_request")
