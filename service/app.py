@@ -26,8 +26,9 @@ from service.edge import BodyLimit
 from service.example import make_example
 from service.feed import Feeds
 from service.gate import KeyGate
+from service.journal import Journal, start_log
 from service.maps import Maps
-from service.metrics import CountResponses, Metrics
+from service.metrics import Metrics
 from service.openapi import DescribedApi
 from service.page import add_page
 from service.pictures import Pictures
@@ -61,7 +62,7 @@ def create_app(settings: Settings, database: Database) -> FastAPI:
         app.add_middleware(KeyGate, service=app)
     app.add_middleware(BodyLimit, bytes_max=settings.body_bytes_max)
     app.state.metrics = Metrics()
-    app.add_middleware(CountResponses, metrics=app.state.metrics)
+    app.add_middleware(Journal, metrics=app.state.metrics)
     app.state.settings = settings
     app.state.database = database
     problems.register(app)
@@ -87,6 +88,7 @@ def serve(settings: Settings) -> None:
         raise InvalidOptionError("beyond this machine, serve with --keys, or with --open to anyone")
     # to end when asked to is a success; uvicorn alone would let the signal end the process
     signal.signal(signal.SIGTERM, lambda *_: sys.exit(0))
+    start_log(settings.log)
     config = uvicorn.Config(
         create_app(settings, open_database(settings.database)),
         host=settings.host,
@@ -94,6 +96,7 @@ def serve(settings: Settings) -> None:
         http=PatientProtocol,
         ws="none",
         access_log=False,
+        log_config=None,
         proxy_headers=False,  # nothing here depends on where a request comes from
         timeout_graceful_shutdown=STOP_SECONDS_MAX,
     )

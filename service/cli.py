@@ -254,3 +254,17 @@ def keys(
         case KeyAction.LIST:
             for line in listed(database):
                 typer.echo(line)
+
+
+@app.command()
+def backup(
+    file: Annotated[Path, typer.Argument(help="A new file.", show_default=False)],
+    *,
+    database: Annotated[str | None, typer.Option(help="URL, as SQLAlchemy writes it.")] = None,
+) -> None:
+    """Copy a SQLite database into FILE, also while it is served. For PostgreSQL, use pg_dump."""
+    from service.backup import back_up  # noqa: PLC0415 -- as for `serve`
+    from service.settings import Settings  # noqa: PLC0415
+
+    size = back_up(Settings().database if database is None else database, file)
+    typer.echo(f"{file}: {size} bytes")

@@ -10,6 +10,7 @@ import logging
 import sqlite3
 from dataclasses import dataclass
 from importlib import resources
+from pathlib import Path
 from time import monotonic, sleep
 from types import ModuleType
 from typing import Any
@@ -81,6 +82,17 @@ def open_database(database: str) -> Database:
     return opened
 
 
+def sqlite_file(database: str) -> Path | None:
+    """Return the file of a SQLite database, `None` for PostgreSQL; raises InvalidDatabaseError."""
+    url = _checked(database)
+    return Path(str(url.database)) if url.get_backend_name() == "sqlite" else None
+
+
+def sqlite_driver() -> ModuleType:
+    """Return the module that speaks to SQLite: a bundled, recent one, if there is one."""
+    return bundled_sqlite or sqlite3
+
+
 def migrate(engine: Engine) -> None:
     """Bring the schema up to date; several processes may do so at once."""
     with engine.begin() as connection:
@@ -122,7 +134,7 @@ def _open_postgresql(url: URL) -> Database:
 
 
 def _open_sqlite(url: URL) -> Database:
-    driver = bundled_sqlite or sqlite3
+    driver = sqlite_driver()
     journal = _journal_mode(driver)
     options: dict[str, Any] = {"module": driver, "connect_args": {"check_same_thread": False}}
     writer = create_engine(url, poolclass=StaticPool, **options)

@@ -1,6 +1,6 @@
 """Count and time what the service does, for Prometheus; each application counts for itself.
 
-Sessions tell how steps end, and a middleware tells what is answered. This room knows neither.
+Sessions tell how steps end, and the journal tells what is answered. This room knows neither.
 """
 
 from __future__ import annotations
@@ -17,7 +17,6 @@ from prometheus_client import (
     ProcessCollector,
     generate_latest,
 )
-from starlette.types import ASGIApp, Message, Receive, Scope, Send
 
 from semtopo.mapper import Stage
 
@@ -81,26 +80,3 @@ class Metrics:
     def written(self) -> bytes:
         """Return everything in the text format of Prometheus."""
         return generate_latest(self._registry)
-
-
-class CountResponses:
-    """ASGI middleware that counts responses."""
-
-    def __init__(self, app: ASGIApp, metrics: Metrics) -> None:
-        """Wrap an application."""
-        self._app = app
-        self._metrics = metrics
-
-    async def __call__(self, scope: Scope, receive: Receive, send: Send) -> None:
-        """Pass everything on, and count what begins a response."""
-
-        async def counted(message: Message) -> None:
-            if message["type"] == "http.response.start":
-                self._metrics.count_response(message["status"])
-            await send(message)
-
-        try:
-            await self._app(scope, receive, counted if scope["type"] == "http" else send)
-        except Exception:
-            self._metrics.count_response(500)  # written further out
-            raise

@@ -9,15 +9,22 @@ does not take its answer.
 from __future__ import annotations
 
 import asyncio
+from http import HTTPStatus
+from math import inf
 from typing import Any
 
+from fastapi import FastAPI
 from uvicorn.protocols.http.httptools_impl import HttpToolsProtocol
+
+from service.problems import Problem
 
 REQUEST_SECONDS = 10.0
 """For all of a request to arrive: 1 MiB takes 1 s on a link of 10 Mbit/s."""
 
 ANSWER_SECONDS = 30.0
 """For an answer that piles up here to flow off: some 64 KiB."""
+
+_MALFORMED, _BUSY = 400, 503
 
 HEAD_BYTES_MAX = 2**16
 """For request line and headers; they would else be gathered without bound."""
@@ -35,11 +42,18 @@ class PatientProtocol(HttpToolsProtocol):
         self._in_head = True
         self._arriving = False
         self._unanswered = 0
+        app = self.config.app
+        self._connections_max = (
+            app.state.settings.connections_max if isinstance(app, FastAPI) else inf
+        )
 
     def connection_made(self, transport: asyncio.Transport) -> None:  # type: ignore[override]
         """Wait for the first request."""
         super().connection_made(transport)
-        self._start_deadline()
+        if len(self.connections) > self._connections_max:
+            self._refuse(_BUSY, "busy", "too many connections are open")
+        else:
+            self._start_deadline()
 
     def connection_lost(self, exc: Exception | None) -> None:
         """Forget the deadlines."""
@@ -47,8 +61,26 @@ class PatientProtocol(HttpToolsProtocol):
         self._stop_answer_deadline()
         super().connection_lost(exc)
 
+    def send_400_response(self, msg: str) -> None:
+        """Say that a request is not HTTP, as a problem like all others, and close."""
+        self._refuse(_MALFORMED, "malformed_request", msg)
+
+    def _refuse(self, status: int, code: str, detail: str) -> None:
+        """Answer with a problem, and close the connection."""
+        problem = Problem(status, code, detail, {"Retry-After": "1"} if status == _BUSY else None)
+        head = [*problem.raw_headers, (b"connection", b"close")]
+        lines = [
+            f"HTTP/1.1 {status} {HTTPStatus(status).phrase}\r\n".encode(),
+            *(b"%b: %b\r\n" % pair for pair in head),
+            b"\r\n",
+        ]
+        self.transport.write(b"".join(lines) + bytes(problem.body))
+        self.transport.close()
+
     def data_received(self, data: bytes) -> None:
         """Start the deadline with the first byte, and refuse a head beyond its bound."""
+        if self.transport.is_closing():
+            return
         if self._deadline is None:
             self._start_deadline()
         if self._in_head:
