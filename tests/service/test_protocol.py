@@ -150,7 +150,7 @@ def test_a_head_above_its_bound_is_refused(connect: Callable[[], socket.socket],
     }[part]
     connection.sendall(head)
     status, body = read_answers(connection)[0]
-    assert (status, body) == (400, b"Request head too large.")
+    assert (status, json.loads(body)["code"]) == (400, "malformed_request")
     assert connection.recv(1) == b""
 
 
@@ -253,3 +253,48 @@ def test_an_upgrade_is_not_taken_up(server: Server, connect: Callable[[], socket
     )
     assert read_answers(connection)[0][0] == 200
     assert server.client.get("/healthz").status_code == 200
+
+
+@pytest.mark.parametrize(
+    "sent", [b"\x16\x03\x01\x02\x00", b"GET\r\n\r\n", b"FETCH / HTTP/9\r\n\r\n"]
+)
+def test_what_is_no_http_is_a_problem_too(
+    connect: Callable[[], socket.socket], sent: bytes
+) -> None:
+    connection = connect()
+    connection.sendall(sent)
+    head, _, body = connection.recv(65_536).partition(b"\r\n\r\n")
+    assert head.startswith(b"HTTP/1.1 400 Bad Request\r\n")
+    assert b"content-type: application/problem+json" in head
+    assert json.loads(body)["code"] == "malformed_request"
+    assert connection.recv(1) == b""
+
+
+def test_more_connections_than_there_may_be_are_refused(
+    tmp_path_factory: pytest.TempPathFactory,
+) -> None:
+    server = Server(tmp_path_factory.mktemp("crowded"), connections_max=20)
+    server.start()
+    server.client.close()  # its own connection would count
+    with ExitStack() as opened:
+        connections = [
+            opened.enter_context(socket.create_connection(("127.0.0.1", server.port), timeout=30))
+            for _ in range(30)
+        ]
+        for connection in connections:
+            with suppress(OSError):
+                connection.sendall(GET)
+        heads = []
+        for connection in connections:
+            with suppress(OSError):
+                heads.append(connection.recv(65_536).partition(b"\r\n")[0])
+        assert heads.count(b"HTTP/1.1 200 OK") >= 19
+        assert (
+            heads.count(b"HTTP/1.1 200 OK") + heads.count(b"HTTP/1.1 503 Service Unavailable") > 20
+        )
+    time.sleep(1)
+    with socket.create_connection(("127.0.0.1", server.port), timeout=30) as again:
+        again.sendall(GET)
+        assert read_answers(again)[0][0] == 200
+    server.stop()
+    assert server.faults() == []
