@@ -40,6 +40,8 @@ Readings of the paper, where it is silent or misprinted; each is cited at its li
          strip must lead from the one to the other, since one alone may slip through a wall
     R16  sensing: at samples, or `exact`: a beam belongs to a zone from where it enters to where it
          leaves, and no border point stands on a straight wall but where its kind changes
+    R17  tolerance: borders are reduced, each time from a core that is never simplified; they lie
+         within the tolerance of the unreduced ones after any number of steps
 """
 
 from semtopo.answers import Answer, History, answer, answer_question, understand

@@ -16,6 +16,9 @@ from semtopo.metric import MappedZone
 from semtopo.types import Bytes, Floats, Occupancy
 from semtopo.zones import Border
 
+SETTLED = 20
+"""Tolerances; over so long a stretch, a reduced border has one occupancy."""
+
 
 @dataclass(frozen=True, slots=True, eq=False)
 class BorderPiece:
@@ -29,17 +32,34 @@ def border_pieces(zone: MappedZone) -> tuple[BorderPiece, ...]:
     """Return the border of a zone in pieces, ring by ring; together they are all of it.
 
     The side between two border points has the lesser of their occupancies: what lies between a wall
-    and the end of sight was not seen. Without any border point on a side, it is FREE.
+    and the end of sight was not seen. Without any border point on a side, it is FREE. Where borders
+    are reduced (R17), the pieces are those of the core, each reduced to the tolerance; what is
+    shorter than a few tolerances goes with what is around it.
     """
-    rings = shapely.get_rings(shapely.get_parts(zone.region))
-    return tuple(
-        piece for ring in rings for piece in _pieces(shapely.get_coordinates(ring), zone.border)
+    whole = zone if zone.core is None else zone.core
+    width = 0.0 if zone.core is None else SETTLED * zone.core.tolerance
+    rings = shapely.get_rings(shapely.get_parts(whole.region))
+    pieces = (
+        piece
+        for ring in rings
+        for piece in _pieces(shapely.get_coordinates(ring), whole.border, width)
     )
+    if zone.core is None:
+        return tuple(pieces)
+    return tuple(_reduced(piece, zone.core.tolerance) for piece in pieces)
 
 
-def _pieces(ring: Floats, border: Border) -> Iterator[BorderPiece]:
+def _reduced(piece: BorderPiece, tolerance: float) -> BorderPiece:
+    """Return a piece with fewer points, none of its line farther away than the tolerance in m."""
+    line = shapely.simplify(shapely.LineString(piece.line), tolerance, preserve_topology=False)
+    return BorderPiece(piece.occupancy, shapely.get_coordinates(line))
+
+
+def _pieces(ring: Floats, border: Border, width: float) -> Iterator[BorderPiece]:
     """Yield the pieces of a closed ring (n, 2), from one change of occupancy to the next."""
     sides = _side_occupancies(ring, border)
+    if width > 0:
+        sides = _settled(sides, np.hypot(*np.diff(ring, axis=0).T), width)
     (changes,) = np.nonzero(sides != np.roll(sides, 1))
     if len(changes) == 0:
         yield BorderPiece(Occupancy(int(sides[0])), ring)
@@ -49,6 +69,24 @@ def _pieces(ring: Floats, border: Border) -> Iterator[BorderPiece]:
         stop = end if end > start else end + len(sides)
         places = np.arange(start, stop + 1) % len(sides)
         yield BorderPiece(Occupancy(int(sides[start])), open_ring[places])
+
+
+def _settled(sides: Bytes, lengths: Floats, width: float) -> Bytes:
+    """Return for each side of a ring the occupancy of most of the border around it.
+
+    That is of a stretch `width` long, in m: what is shorter than half of it is not worth a piece.
+    """
+    around = np.tile(lengths, 3)
+    ends = np.concatenate([[0.0], np.cumsum(around)])
+    middle = (ends[:-1] + ends[1:])[len(sides) : 2 * len(sides)] / 2
+    reach = min(width, ends[len(sides)]) / 2
+    shares = []
+    for occupancy in Occupancy:
+        known = np.concatenate([[0.0], np.cumsum(around * np.tile(sides == occupancy, 3))])
+        one, other = (np.interp(middle + way, ends, known) for way in (-reach, reach))
+        shares.append(other - one)
+    most: Bytes = np.argmax(shares, axis=0).astype(np.uint8)
+    return most
 
 
 def _side_occupancies(ring: Floats, border: Border) -> Bytes:

@@ -201,31 +201,6 @@ def read_map(zones: bytes, graph: bytes) -> MapState:
         raise InvalidMapError("these are not the zones and the graph of a map") from error
 
 
-def region_bytes(region: Region) -> bytes:
-    """Return a region as well-known binary (WKB), exact."""
-    return shapely.to_wkb(region)
-
-
-def region_from(stored: bytes) -> Region:
-    """Read a region back from `region_bytes`."""
-    region = shapely.from_wkb(stored)
-    if not isinstance(region, Region):
-        raise InvalidMapError("a stored region is no polygon")
-    return region
-
-
-def border_bytes(border: Border) -> bytes:
-    """Return border points as bytes: all x and y (64-bit floats), then all occupancies (bytes)."""
-    return border.xy.astype("<f8").tobytes() + border.occupancy.tobytes()
-
-
-def border_from(stored: bytes) -> Border:
-    """Read border points back from `border_bytes`."""
-    count = len(stored) // 17  # two floats of 8 bytes and one occupancy
-    xy = np.frombuffer(stored, dtype="<f8", count=2 * count).reshape(-1, 2)
-    return Border(xy, np.frombuffer(stored, dtype=np.uint8, offset=16 * count))
-
-
 def zone_feature(zone: MappedZone) -> Document:
     """Return one zone as a GeoJSON feature."""
     region: Region = shapely.orient_polygons(zone.region)  # as it is read back: area is a sum

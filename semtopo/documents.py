@@ -125,6 +125,7 @@ class MappingDocument(Document):
     identity: Literal["label", "instance"] = "label"
     sensing: Literal["sampled", "exact"] = "sampled"
     min_zone_area: Annotated[Number, Field(ge=0, le=COORDINATE_MAX)] = 0.0
+    tolerance: Annotated[Number, Field(ge=0, le=COORDINATE_MAX)] = 0.0
 
     def value(self) -> MappingOptions:
         """Return the options."""
@@ -134,6 +135,7 @@ class MappingDocument(Document):
             identity=Identity(self.identity),
             sensing=Sensing(self.sensing),
             min_zone_area=self.min_zone_area,
+            tolerance=self.tolerance,
         )
 
 

@@ -95,7 +95,7 @@ def step(
     seq = state.seq + 1
     sensor_map = extract(scan, options)
     ended(Stage.EXTRACTION)
-    placed = place(state.metric, sensor_map, options.identity, seq)
+    placed = place(state.metric, sensor_map, options, seq)
     ended(Stage.MAP_UPDATE)
     graph, events = extend(state.graph, placed, seq, options.passages)
     ended(Stage.GRAPH_UPDATE)

@@ -10,6 +10,7 @@ from collections.abc import Mapping
 from dataclasses import dataclass, field, replace
 from types import MappingProxyType
 
+from semtopo.core import Core
 from semtopo.doorways import Doorways
 from semtopo.fusion import box_around, fuse
 from semtopo.geometry import Region
@@ -22,7 +23,8 @@ class MappedZone:
     """A zone of the map z_m.
 
     `zone_id` is the instance, `label` the class; with one zone for each label (R14) they are the
-    same word. `since` is the step that found the zone, `seq` the last step that changed it.
+    same word. `since` is the step that found the zone, `seq` the last step that changed it. With a
+    tolerance, region and border are made from the `core` (R17).
     """
 
     zone_id: str
@@ -31,6 +33,7 @@ class MappedZone:
     border: Border
     since: int
     seq: int
+    core: Core | None = None
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -56,21 +59,25 @@ class MetricMap:
         names: Mapping[SeenName, str],
         merges: Mapping[str, str],
         seq: int,
+        tolerance: float = 0.0,
     ) -> MetricMap:
         """Return the map with the zones of one scan fused in, at step `seq`.
 
         `names` says which zone of the map each of the scan is, by its id. Alg. 3, l. 4-11 for the
         zone where the robot is, l. 13-29 for the others. Before, zones are merged into others, from
         the first id of `merges` to the second (R14); their doorways move over. A zone that grows
-        by nothing stays the very same object.
+        by nothing stays the very same object. Borders are kept within a `tolerance` in m (R17).
         """
         zones = dict(self.zones)
         for zone_id, into in merges.items():
-            zones[into] = _grown(zones[into], zones.pop(zone_id), seq)
+            zones[into] = _grown(zones[into], zones.pop(zone_id), seq, tolerance)
         for seen in here_first(sensor_map):
             zone_id = names[seen.name]
             known = zones.get(zone_id)
-            zones[zone_id] = _new(zone_id, seen, seq) if known is None else _grown(known, seen, seq)
+            if known is None:
+                zones[zone_id] = _new(zone_id, seen, seq, tolerance)
+            else:
+                zones[zone_id] = _grown(known, seen, seq, tolerance)
         between = [((names[it.source], names[it.target]), it.corners) for it in sensor_map.doorways]
         doorways = self.doorways.updated(between, merges, seq)
         return MetricMap(zones, doorways, {**self.former, **merges} if merges else self.former)
@@ -85,14 +92,26 @@ def here_first(sensor_map: SensorMap) -> list[Zone]:
     return sorted(sensor_map.zones, key=lambda zone: (zone.name != sensor_map.here_name, zone.name))
 
 
-def _new(zone_id: str, seen: Zone, seq: int) -> MappedZone:
-    return MappedZone(zone_id, seen.label, seen.region, seen.border, since=seq, seq=seq)
+def _new(zone_id: str, seen: Zone, seq: int, tolerance: float) -> MappedZone:
+    zone = MappedZone(zone_id, seen.label, seen.region, seen.border, since=seq, seq=seq)
+    return _around(zone, Core(seen.region, seen.border, tolerance), seq) if tolerance > 0 else zone
 
 
-def _grown(known: MappedZone, seen: Zone | MappedZone, seq: int) -> MappedZone:
+def _grown(known: MappedZone, seen: Zone | MappedZone, seq: int, tolerance: float) -> MappedZone:
     """Return a known zone with another fused in (Alg. 3, l. 5-7 and 16-18; R12)."""
+    if tolerance > 0:
+        core = known.core or Core(known.region, known.border, tolerance)
+        other = (isinstance(seen, MappedZone) and seen.core) or seen
+        grown = core.grown(other.region, other.border)
+        return known if grown is core else _around(known, grown, seq)
     region = fuse(known.region, seen.region)
     if region is known.region:
         return known
     border = known.border.updated(seen.border, region, box_around(seen.region))
     return replace(known, region=region, border=border, seq=seq)
+
+
+def _around(zone: MappedZone, core: Core, seq: int) -> MappedZone:
+    """Return a zone whose region and border are made from a core."""
+    region, border = core.reduced()
+    return replace(zone, region=region, border=border, core=core, seq=seq)

@@ -16,7 +16,7 @@ import numpy as np
 from semtopo.doorways import DoorwayKey
 from semtopo.geometry import Polygons, groups_touching
 from semtopo.metric import MappedZone, MetricMap, here_first
-from semtopo.types import Identity, SeenName
+from semtopo.types import Identity, MappingOptions, SeenName
 from semtopo.zones import SensorMap, Zone
 
 
@@ -41,14 +41,15 @@ class Placement:
         return None if name is None else self.names[name]
 
 
-def place(metric: MetricMap, sensor_map: SensorMap, identity: Identity, seq: int) -> Placement:
+def place(metric: MetricMap, sensor_map: SensorMap, options: MappingOptions, seq: int) -> Placement:
     """Fuse a scan into the map, at step `seq` (Alg. 3, the lines on M_m)."""
-    if identity is Identity.LABEL:
+    tolerance = options.tolerance
+    if options.identity is Identity.LABEL:
         names: dict[SeenName, str] = {zone.name: zone.label for zone in sensor_map.zones}
-        return _placed(metric, sensor_map, names, {}, seq)
+        return _placed(metric, sensor_map, names, {}, seq, tolerance)
     names, merges = _instances(metric, sensor_map)
     while True:
-        placed = _placed(metric, sensor_map, names, merges, seq)
+        placed = _placed(metric, sensor_map, names, merges, seq, tolerance)
         late = _late_merges(placed.metric, set(names.values()))
         if not late:
             return placed
@@ -66,9 +67,10 @@ def _placed(
     names: Mapping[SeenName, str],
     merges: Mapping[str, str],
     seq: int,
+    tolerance: float,
 ) -> Placement:
     """Return a scan in its place, once it is known what its zones are."""
-    after = metric.fused(sensor_map, names, merges, seq)
+    after = metric.fused(sensor_map, names, merges, seq, tolerance)
     former = after.doorways.former
     new = list(former)[len(metric.doorways.former) :]
     return Placement(sensor_map, after, names, merges, {key: former[key] for key in new})

@@ -109,12 +109,14 @@ class MappingOptions:
     `edges` says which zones are linked (R15), `passages` how many passages lead from one to
     another (R10), `identity` what makes places one zone (R14); `sensing` how a simulated sensor
     looks (R16); `min_zone_area` in m^2 says below which size a zone of one scan is passed over
-    (R9).
+    (R9), `tolerance` in m how far a reduced border may lie from the unreduced one; at 0 it is not
+    reduced (R17).
 
     Raises
     ------
     InvalidOptionError
-        `min_zone_area` is negative or not finite, or an option is none of its known words.
+        `min_zone_area` or `tolerance` is negative or not finite, or an option is none of its known
+        words.
     """
 
     edges: Edges = Edges.SEEN
@@ -122,6 +124,7 @@ class MappingOptions:
     identity: Identity = Identity.LABEL
     sensing: Sensing = Sensing.SAMPLED
     min_zone_area: float = 0.0
+    tolerance: float = 0.0
 
     def __post_init__(self) -> None:
         """Refuse values out of range, and turn words into their members."""
@@ -129,8 +132,9 @@ class MappingOptions:
             if getattr(self, name) not in set(words):
                 raise InvalidOptionError(f"{name} must be one of {', '.join(words)}")
             object.__setattr__(self, name, words(getattr(self, name)))
-        if not (math.isfinite(self.min_zone_area) and self.min_zone_area >= 0):
-            raise InvalidOptionError("min_zone_area must be a finite number of m^2, at least 0")
+        for name, unit in (("min_zone_area", "m^2"), ("tolerance", "m")):
+            if not (math.isfinite(getattr(self, name)) and getattr(self, name) >= 0):
+                raise InvalidOptionError(f"{name} must be a finite number of {unit}, at least 0")
 
 
 _CHOICES: dict[str, type[StrEnum]] = {

@@ -100,6 +100,7 @@ def _semtopo(
     """Semantic and topological maps for robots: zones, a graph and routes."""
 
 
+PathArgument = Annotated[Path | None, typer.Argument(help="CSV x,y[,theta].", show_default=False)]
 PassagesOption = Annotated[Passages, typer.Option(help="Between two zones: the first, or all.")]
 IdentityOption = Annotated[
     Identity, typer.Option(help="What is one zone: a label, or each place of it.")
@@ -112,9 +113,7 @@ SensingOption = Annotated[Sensing, typer.Option(help="At samples, or where beams
 def map_drive(  # noqa: PLR0913 -- one parameter for each option
     *,
     world: Annotated[Path | None, typer.Argument(help="World: JSON.", show_default=False)] = None,
-    path: Annotated[
-        Path | None, typer.Argument(help="CSV x,y[,theta].", show_default=False)
-    ] = None,
+    path: PathArgument = None,
     out: Annotated[Path, typer.Option(help="Folder to write to.")],
     scans: Annotated[Path | None, typer.Option(help="Recording: JSON lines, or gzip.")] = None,
     beams: Annotated[int | None, typer.Option(show_default="72")] = None,
@@ -127,6 +126,7 @@ def map_drive(  # noqa: PLR0913 -- one parameter for each option
     identity: IdentityOption = Identity.LABEL,
     sensing: SensingOption = Sensing.SAMPLED,
     min_zone_area: Annotated[float, typer.Option(help="In m^2.")] = 0.0,
+    tolerance: Annotated[float, typer.Option(help="Of borders, in m.")] = 0.0,
     frames: FramesOption = None,
     animation: Annotated[Path | None, typer.Option(help="A .gif or .webp to write.")] = None,
 ) -> None:
@@ -139,6 +139,7 @@ def map_drive(  # noqa: PLR0913 -- one parameter for each option
         identity=identity,
         sensing=sensing,
         min_zone_area=min_zone_area,
+        tolerance=tolerance,
     )
     given = {"beams": beams, "range": sensor_range, "samples": samples}
     drive = _drive(world, path, scans, given, sensing)

@@ -17,13 +17,14 @@ ROOT = Path(__file__).parents[1]
 LAYERS = [
     {"errors"}, {"types"}, {"geometry", "window"},
     {"fusion", "inset", "triangulation", "world"}, {"taut"}, {"bottleneck"}, {"freespace"},
-    {"sensor"}, {"scan"}, {"runs", "strips"}, {"doorways"}, {"zones"}, {"metric"}, {"placement"},
+    {"sensor"}, {"scan"}, {"runs", "strips"}, {"doorways"}, {"zones"}, {"core"},
+    {"metric"}, {"placement"},
     {"borders", "graph"}, {"findings"}, {"mapper"},
     {"atlas", "expectations", "grammar", "likeness", "questions"},
     {"ground", "network"}, {"search"}, {"gap", "journey"}, {"finder"},
     {"names", "phrases", "reading", "route"},
     {"answers"},
-    {"codec", "documents"},
+    {"codec", "documents", "wkb"},
     {"exports", "formats", "render"}, {"semtopo"},
 ]  # fmt: skip
 """The rooms of the library, from the ground up: each may know those below it."""

@@ -18,13 +18,9 @@ from semtopo.answers.values import PathAnswer
 from semtopo.atlas import Atlas
 from semtopo.codec import (
     answer_document,
-    border_bytes,
-    border_from,
     event_document,
     graph_body,
     read_map,
-    region_bytes,
-    region_from,
     route_document,
     step_document,
     to_json,
@@ -35,6 +31,7 @@ from semtopo.mapper import MapState, Step, explore
 from semtopo.metric import MappedZone, MetricMap
 from semtopo.sensor import Sensor
 from semtopo.types import MappingOptions, Occupancy
+from semtopo.wkb import border_bytes, border_from, region_bytes, region_from
 from semtopo.zones import Border
 from tests.plans import LOOP, THREE_IN_A_ROW, drawn
 from tests.strategies import Scene, options, patient, scenes

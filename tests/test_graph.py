@@ -14,7 +14,7 @@ from semtopo.graph import Event, Node, NodeFound, Passage, PassageFound, Topolog
 from semtopo.mapper import explore
 from semtopo.metric import MetricMap
 from semtopo.placement import place
-from semtopo.types import Edges, Identity, MappingOptions, Point
+from semtopo.types import Edges, MappingOptions, Point
 from semtopo.zones import Border, Link, SensorMap, Zone
 from tests import oracle
 from tests.strategies import Scene, options, patient, scenes
@@ -39,7 +39,7 @@ def extended(
     graph: TopologyGraph, sensor_map: SensorMap, seq: int
 ) -> tuple[TopologyGraph, tuple[Event, ...]]:
     """Return the graph after a scan whose labels are zones."""
-    placed = place(MetricMap(), sensor_map, Identity.LABEL, seq)
+    placed = place(MetricMap(), sensor_map, MappingOptions(), seq)
     return extend(graph, placed, seq)
 
 

@@ -75,7 +75,7 @@ def placed(*scans: SensorMap) -> list[Placement]:
     """Return the placements of scans, one after the other, in an empty map."""
     metric, found = MetricMap(), []
     for seq, scan in enumerate(scans, start=1):
-        found.append(place(metric, scan, Identity.INSTANCE, seq))
+        found.append(place(metric, scan, MappingOptions(identity=Identity.INSTANCE), seq))
         metric = found[-1].metric
     return found
 

@@ -11,7 +11,7 @@ from semtopo.geometry import Region
 from semtopo.mapper import explore, scan_world, step
 from semtopo.metric import MetricMap, here_first
 from semtopo.placement import place
-from semtopo.types import Identity, MappingOptions, Occupancy
+from semtopo.types import MappingOptions, Occupancy
 from semtopo.zones import Border, SensorMap, Zone
 from tests.strategies import Scene, options, patient, scenes
 
@@ -26,7 +26,7 @@ def seen(here: str, **regions: Region) -> SensorMap:
 
 def fused(metric: MetricMap, sensor_map: SensorMap, seq: int) -> MetricMap:
     """Return the map with a scan whose labels are zones."""
-    return place(metric, sensor_map, Identity.LABEL, seq).metric
+    return place(metric, sensor_map, MappingOptions(), seq).metric
 
 
 def corners(box_: Polygon, why: Occupancy) -> Border:

@@ -6,8 +6,8 @@ from typing import Any
 
 from sqlalchemy import Connection, and_, bindparam, func, insert, or_, select, update
 
-from semtopo.codec import region_bytes, region_from
 from semtopo.doorways import Doorway, DoorwayKey, Doorways
+from semtopo.wkb import region_bytes, region_from
 from service.statements import Statement, run
 from service.tables import doorway_versions, doorways
 

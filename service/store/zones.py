@@ -6,8 +6,8 @@ from typing import Any
 
 from sqlalchemy import Connection, and_, bindparam, func, insert, or_, select, update
 
-from semtopo.codec import border_bytes, border_from, region_bytes, region_from
 from semtopo.metric import MappedZone, MetricMap
+from semtopo.wkb import shape_bytes, shape_from
 from service.statements import Statement, run
 from service.tables import zone_versions, zones
 
@@ -81,9 +81,10 @@ def save_zones(
     """Write the zones that step `seq` found, changed, or merged into others."""
     position = len(before.zones) + len(before.former)
     for zone in after.changed_since(before):
+        region, border = shape_bytes(zone)
         values = {
             "session": session, "zone_id": zone.zone_id, "seq": zone.seq,
-            "region": region_bytes(zone.region), "border": border_bytes(zone.border),
+            "region": region, "border": border,
         }  # fmt: skip
         if zone.zone_id in before.zones:
             run(connection, _GROW, values)
@@ -103,7 +104,7 @@ def add_zone_versions(
     rows = [
         {
             "session": session, "zone_id": zone.zone_id, "checkpoint": checkpoint, "seq": zone.seq,
-            "region": region_bytes(zone.region), "border": border_bytes(zone.border),
+            **dict(zip(("region", "border"), shape_bytes(zone), strict=True)),
         }
         for zone in metric.zones.values()
         if zone.seq > since
@@ -113,5 +114,5 @@ def add_zone_versions(
 
 
 def _zone(row: Any) -> MappedZone:  # noqa: ANN401 -- rows of two queries, typed by neither
-    region, border = region_from(row.region), border_from(row.border)
-    return MappedZone(row.zone_id, row.label, region, border, since=row.since, seq=row.seq)
+    region, border, core = shape_from(row.region, row.border)
+    return MappedZone(row.zone_id, row.label, region, border, row.since, row.seq, core)
