@@ -117,5 +117,6 @@ def test_places_of_a_label_and_all_doors_make_the_same_building() -> None:
     assert set(graph.nodes) == {"corridor", *(f"room-{number}" for number in range(2, 16))}
     assert all(frozenset(pair) in DOORS for pair in graph.pairs)
     driven = {pair for a, b in DRIVEN for pair in ((a, b), (b, a))}
-    assert driven <= set(graph.pairs)
+    # through the door of room-14 no scan showed half a square metre of corridor
+    assert driven - set(graph.pairs) == {("room-14", "corridor")}
     assert {frozenset(key[:2]) for key in last.state.metric.doorways if key[0] != key[1]} <= DOORS
