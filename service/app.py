@@ -147,7 +147,7 @@ async def _lifespan(app: FastAPI) -> AsyncIterator[None]:
     app.state.sessions = Sessions(database, writer, settings, metrics)
     app.state.feeds = Feeds(app.state.sessions, settings, metrics)
     app.state.steps = Steps(app.state.sessions, app.state.feeds, settings, metrics)
-    app.state.changes = Changes(app.state.sessions)
+    app.state.changes = Changes(app.state.sessions, app.state.feeds)
     app.state.maps = Maps(app.state.sessions, settings)
     app.state.pictures = Pictures(app.state.sessions, app.state.maps)
     prepare()

@@ -26,6 +26,7 @@ from service.errors import (
     UnknownPassageError,
     UnknownRestrictionError,
 )
+from service.feed import Feeds
 from service.hot import HotSession
 from service.notes import (
     LIFTED,
@@ -65,9 +66,10 @@ class Restrict:
 class Changes:
     """The changes of all sessions that are no steps. For one event loop only."""
 
-    def __init__(self, sessions: Sessions) -> None:
-        """Work on these sessions."""
+    def __init__(self, sessions: Sessions, feeds: Feeds) -> None:
+        """Work on these sessions, and tell who follows them."""
         self._sessions = sessions
+        self._feeds = feeds
 
     async def note(self, session_id: str, zone_id: str, notes: ZoneNotes) -> HotSession:
         """Note what people call a zone, in place of what was noted before.
@@ -139,6 +141,7 @@ class Changes:
                 if await self._stored(hot, change):
                     after = replace(hot, notes=hot.notes.after([change]))
                     self._sessions.keep(after)
+                    self._feeds.tell(hot.row.number)
                     return after
         raise BusyError("other processes change this session too fast")
 

@@ -16,31 +16,34 @@ from starlette.types import Receive, Scope, Send
 from service.errors import InvalidRequestError, StorageError
 from service.feed import Ending, Feed, Feeds
 from service.schemas.steps import SEQ_MAX
+from service.store import Moment
 
 HEARTBEAT_SECONDS = 15.0
 """So that what lies between does not take the connection for dead."""
 
 RETRY_MS = 1_000
 
-_NUMBER = re.compile(r"\d{1,10}")
+_ID = re.compile(r"([0-9]{1,10})(?:\.([0-9]{1,10}))?")
 
 
-def event_id(header: str | None) -> int | None:
-    """Return the step that Last-Event-ID names."""
+def event_id(header: str | None) -> Moment | None:
+    """Return the moment that Last-Event-ID names: `SEQ`, or `SEQ.REVISION` after a change."""
     if header is None:
         return None
-    if _NUMBER.fullmatch(header) is None or int(header) > SEQ_MAX:
+    found = _ID.fullmatch(header)
+    moment = None if found is None else Moment(int(found[1]), int(found[2] or 0))
+    if moment is None or max(moment) > SEQ_MAX:
         raise InvalidRequestError("Last-Event-ID must be the id of an event of this session")
-    return int(header)
+    return moment
 
 
 class EventStream(Response):
-    """The events of a session after step `seq`, in order, none left out, and those to come."""
+    """The events of a session after a moment, in order, none left out, and those to come."""
 
     media_type = "text/event-stream"
 
-    def __init__(self, feeds: Feeds, number: int, newest: int, seq: int) -> None:
-        """Begin after step `seq`; the session with this row number is at step `newest`.
+    def __init__(self, feeds: Feeds, number: int, newest: Moment, after: Moment) -> None:
+        """Begin after a moment; the session with this row number is at its newest one.
 
         Raises
         ------
@@ -53,7 +56,7 @@ class EventStream(Response):
         self._feeds = feeds
         self._number = number
         self._newest = newest
-        self._seq = seq
+        self._after = after
 
     async def __call__(self, _scope: Scope, receive: Receive, send: Send) -> None:
         """Send events until the reader goes away, or the feed ends."""
@@ -70,7 +73,7 @@ class EventStream(Response):
     async def _send_all(self, feed: Feed, gone: asyncio.Future[None], send: Send) -> bytes:
         """Send what there is and what comes; return what is left to be sent when it ends."""
         # an id without data: who is cut off before the first event knows where to go on
-        content = format_sse_event(id=str(self._seq), retry=RETRY_MS)
+        content = format_sse_event(id=".".join(map(str, self._after)), retry=RETRY_MS)
         while not gone.done():
             if content:
                 await send({"type": "http.response.body", "body": content, "more_body": True})
@@ -90,11 +93,11 @@ class EventStream(Response):
 
     async def _next(self, feed: Feed) -> bytes:
         """Return what follows, as one piece."""
-        frames = feed.after(self._seq)
+        frames = feed.after(self._after)
         if frames is None:
-            frames = await self._feeds.missed(self._number, self._seq)
+            frames = await self._feeds.missed(self._number, self._after)
         if frames:
-            self._seq = frames[-1].seq
+            self._after = frames[-1].moment
         return b"".join(frame.content for frame in frames)
 
 

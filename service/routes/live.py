@@ -10,7 +10,7 @@ from fastapi import APIRouter, Header, Query, Request, Response
 
 from semtopo import UnknownStepError, WorldDocument
 from service import store
-from service.errors import NoWorldError
+from service.errors import NoWorldError, UnknownSessionError
 from service.parameters import (
     AfterStep,
     AtStep,
@@ -38,19 +38,20 @@ TrailLimit = Annotated[int, Query(ge=1, le=10_000)]
     "/sessions/{session_id}/events",
     status_code=200,  # for OpenAPI, which else asks the class
     response_class=EventStream,
-    responses={200: {"description": "events `step` and `deleted`"}, **problems(404)},
+    responses={200: {"description": "events `step`, `change` and `deleted`"}, **problems(404)},
 )
 async def follow(
     request: Request, session_id: SessionId, last_event_id: LastEventId = None
 ) -> Response:
-    """Follow a session: every step after the one named by Last-Event-ID, else from now on."""
-    after = event_id(last_event_id)
+    """Follow a session: all that comes after the event named by Last-Event-ID, else after now."""
+    after, feeds = event_id(last_event_id), feeds_of(request)
     hot = await sessions_of(request).find(session_id)
-    if after is not None and after > hot.seq:
-        raise UnknownStepError(f"the last step of this session is {hot.seq}")
-    return EventStream(
-        feeds_of(request), hot.row.number, hot.seq, hot.seq if after is None else after
-    )
+    newest = await feeds.newest(hot.row.number)
+    if newest is None:
+        raise UnknownSessionError("there is no session of that id")
+    if after is not None and (after.seq > newest.seq or after.revision > newest.revision):
+        raise UnknownStepError(f"the last step of this session is {newest.seq}")
+    return EventStream(feeds, hot.row.number, newest, newest if after is None else after)
 
 
 @router.get("/sessions/{session_id}/trail", response_model=TrailAnswer, responses=problems(404))

@@ -27,11 +27,13 @@ from service.store.maps import (
     save_changes,
 )
 from service.store.progress import (
+    Moment,
     Progress,
     Taken,
     find_progress,
+    history_after,
     list_positions,
-    steps_after,
+    moment_of,
     trail_after,
 )
 from service.store.sessions import (
@@ -52,6 +54,7 @@ __all__ = [
     "Change",
     "CreationKey",
     "LoggedStep",
+    "Moment",
     "NewSession",
     "Progress",
     "SessionHead",
@@ -70,6 +73,7 @@ __all__ = [
     "find_step_by_key",
     "find_time",
     "find_version",
+    "history_after",
     "list_changes",
     "list_positions",
     "list_sessions",
@@ -77,8 +81,8 @@ __all__ = [
     "list_unused",
     "load_checkpoint",
     "load_state",
+    "moment_of",
     "page_of_steps",
     "save_changes",
-    "steps_after",
     "trail_after",
 ]

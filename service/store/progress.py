@@ -4,12 +4,13 @@ from __future__ import annotations
 
 from collections.abc import Collection, Iterator
 from dataclasses import dataclass
-from typing import Any
+from typing import Any, NamedTuple
 
 import orjson
 from sqlalchemy import Connection, Row, func, or_, select
 
 from semtopo.types import Point
+from service.store.changes import Change, list_changes
 from service.tables import api_keys, sessions, steps
 
 POSE_CHARACTERS = 200
@@ -29,30 +30,54 @@ class Taken:
     answer: str
 
 
+class Moment(NamedTuple):
+    """A moment in the history of a session: after step `seq`, and after that change; 0 for none.
+
+    Changes are numbered through, and each is made after the step that was the last then.
+    """
+
+    seq: int
+    revision: int = 0
+
+
 @dataclass(frozen=True, slots=True)
 class Progress:
     """How far a session has come, and whether the API key that it was made with still opens it."""
 
-    seq: int
+    moment: Moment
     is_open: bool
 
 
 def find_progress(connection: Connection, numbers: Collection[int]) -> dict[int, Progress]:
     """Return how far sessions have come, by their numbers; those that are gone are left out."""
     query = (
-        select(sessions.c.number, sessions.c.version, api_keys.c.revoked_at)
+        select(sessions.c.number, sessions.c.version, sessions.c.revision, api_keys.c.revoked_at)
         .outerjoin(api_keys, api_keys.c.number == sessions.c.owner)
         .where(sessions.c.number.in_(numbers))
     )
     return {
-        row.number: Progress(row.version, row.revoked_at is None)
+        row.number: Progress(Moment(row.version, row.revision), row.revoked_at is None)
         for row in connection.execute(query)
     }
 
 
-def steps_after(connection: Connection, session: int, seq: int, limit: int) -> list[Taken]:
-    """Return up to `limit` steps of a session after step `seq`, in order."""
-    return list(_taken(connection, session, seq, limit))
+def history_after(
+    connection: Connection, session: int, moment: Moment, limit: int
+) -> list[Taken | Change]:
+    """Return what came after a moment, in order: up to `limit` steps, and changes among them.
+
+    A change is told only after the step that it was made after, which may be read a moment before.
+    """
+    taken = list(_taken(connection, session, moment.seq, limit))
+    last = taken[-1].seq if taken else moment.seq
+    made = list_changes(connection, session, after=moment.revision, up_to=last)
+    after = [one for one in made if Moment(one.seq, one.number) > moment]
+    return sorted([*taken, *after], key=moment_of)
+
+
+def moment_of(one: Taken | Change) -> Moment:
+    """Return the moment of a step or a change."""
+    return Moment(one.seq, 0 if isinstance(one, Taken) else one.number)
 
 
 def trail_after(

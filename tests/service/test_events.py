@@ -51,7 +51,7 @@ def test_a_reader_goes_on_after_the_last_event(server: Server, after: int) -> No
     path = server.create(**SESSION)
     answers = [server.step(path, step) for step in STEPS]
     with following(server, path, after) as reader:
-        assert reader.id == str(after)
+        assert reader.id == f"{after}.0"
         last = server.step(path, STEPS[0])
         expected = [told_of(*pair) for pair in zip(STEPS, answers, strict=True)][after:]
         events = as_tuples(reader.take(len(STEPS) + 1 - after))
@@ -72,7 +72,7 @@ def test_who_comes_without_an_id_hears_what_comes(server: Server) -> None:
     for step in STEPS[:5]:
         server.step(path, step)
     with following(server, path) as reader:
-        assert reader.id == "5"
+        assert reader.id == "5.0"
         server.step(path, STEPS[5])
         assert reader.next().id == "6"
 
@@ -119,7 +119,52 @@ def test_the_end_of_a_session_is_told(server: Server) -> None:
         assert [one.event for one in reader][-1] == "deleted"
 
 
-@pytest.mark.parametrize("header", ["", "x", "-1", "1.5.2", "1e3", "9" * 11, "٣"])
+def close_passage(server: Server, path: str, source: str, target: str) -> str:
+    """Close a passage, and return the address of what closes it."""
+    on = {"passage": {"source": source, "target": target}, "closed": True}
+    made = server.client.post(f"{path}/restrictions", json=on)
+    assert made.status_code == 201, made.text
+    return f"{path}/restrictions/{made.json()['id']}"
+
+
+@on_both
+def test_changes_are_told_among_the_steps(server: Server) -> None:
+    path = server.create(**SESSION)
+    for step in STEPS[:7]:
+        server.step(path, step)
+    with following(server, path) as reader:
+        closed = close_passage(server, path, "corridor", "A")
+        server.step(path, STEPS[7])
+        server.client.delete(closed).raise_for_status()
+        named = server.client.put(f"{path}/zones/A", json={"aliases": ["kitchen"]})
+        assert named.status_code == 200, named.text
+        server.step(path, STEPS[8])
+        live = as_tuples(reader.take(5))
+    ids = ["7.1", "8", "8.2", "8.3", "9"]
+    assert [id_ for _, id_, _ in live] == ids
+    assert [data["kind"] for event, _, data in live if event == "change"] == [
+        "restriction", "lifted", "zone",
+    ]  # fmt: skip
+    assert live[0][2]["change"]["passage"] == {"source": "corridor", "target": "A"}
+    assert live[3][2]["change"]["aliases"] == ["kitchen"]
+    for number, after in enumerate(["7", *ids]):
+        with following(server, path, after) as reader:
+            assert as_tuples(reader.take(5 - number)) == live[number:]
+    with following(server, path) as reader:
+        assert reader.id == "9.3"
+
+
+@on_both
+def test_changes_by_another_process_are_told(server: Server, other: Server) -> None:
+    path = server.create(**SESSION)
+    for step in STEPS[:7]:
+        server.step(path, step)
+    with following(server, path) as reader:
+        close_passage(other, path, "corridor", "A")
+        assert reader.next().id == "7.1"
+
+
+@pytest.mark.parametrize("header", ["", "x", "-1", "1.5.2", "1.", ".1", "1e3", "9" * 11, "٣"])
 def test_an_id_that_is_none_is_refused(server: Server, header: str) -> None:
     path = server.create(**SESSION)
     headers = [(b"Last-Event-ID", header.encode())]
@@ -212,8 +257,8 @@ def test_a_reader_that_takes_nothing_keeps_no_robot_waiting(own_server: Server) 
         more = connection.recv(2**16)
         assert more, "closed"
         got += more
-    ids = [int(line[4:]) for line in got.split(b"\n") if line.startswith(b"id: ")]
-    assert ids == list(range(446))
+    ids = [line[4:] for line in got.split(b"\n") if line.startswith(b"id: ")]
+    assert ids == [b"0.0", *(b"%d" % seq for seq in range(1, 446))]
     connection.close()
 
 
