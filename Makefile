@@ -1,6 +1,7 @@
 # make run   set up, then serve on 127.0.0.1:8000
 # make test  set up, lint, check types, test
 # make fuzz  send CASES requests drawn from the OpenAPI document
+# make bench measure all, print tables and write var/bench.json
 # make crash kill servers and databases at random, KILLS times each, and check the maps
 BIN := .venv/bin
 PORT ?= 8000
@@ -11,7 +12,7 @@ KILLS ?= 200
 VICTIMS ?= sqlite sqlite-stopped sqlite-two postgres postgres-itself
 EXPORT = $(BIN)/uv export --quiet --frozen --no-header --no-emit-project
 
-.PHONY: setup run test fuzz crash picture lint types lock clean
+.PHONY: setup run test bench fuzz crash picture lint types lock clean
 
 setup: .venv/.ready
 
@@ -25,6 +26,9 @@ run: setup
 
 test: lint types
 	$(BIN)/pytest -n $(JOBS) --dist loadfile
+
+bench: setup
+	$(BIN)/python -m benchmarks $(BENCH)
 
 fuzz: setup
 	$(BIN)/python -m tests.fuzz --cases $(CASES)

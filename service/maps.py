@@ -89,12 +89,17 @@ class Maps:
     async def graph(self, session_id: str, at: int | None) -> Body:
         """Return the graph of a map: now, or as of step `at`."""
         moment = await self.moment(session_id, at)
-        state, seq, notes = moment.hot.state, moment.seq, moment.notes.zones
-        # passages are never moved nor removed, so an earlier graph is a part of this one
-        content = await asyncio.to_thread(
-            lambda: graph_body(state.graph.at(seq), seq, notes, moment.atlas(state).limits)
-        )
-        return Body(content, moment.tag)
+        key = (moment.tag, "graph")
+        body = self._bodies.get(key)
+        if body is None:
+            state, seq, notes = moment.hot.state, moment.seq, moment.notes.zones
+            # passages are never moved nor removed, so an earlier graph is a part of this one
+            content = await asyncio.to_thread(
+                lambda: graph_body(state.graph.at(seq), seq, notes, moment.atlas(state).limits)
+            )
+            body = Body(content, moment.tag)
+            self._bodies.put(key, body)
+        return body
 
     async def sight(self, session_id: str, at: int | None) -> Body:
         """Return what the robot saw at the last step, or at step `at`."""

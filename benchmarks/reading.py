@@ -1,0 +1,126 @@
+"""Steps and reads over HTTP: sessions side by side, and bodies beside a bare endpoint."""
+
+from __future__ import annotations
+
+import asyncio
+import statistics
+import tempfile
+from collections.abc import Iterator
+from pathlib import Path
+
+import orjson
+
+from benchmarks.durable_step import SEMTOPO, server
+from benchmarks.load import HOST, Load, exchange, request_bytes, run
+from benchmarks.paper import EXAMPLE, path
+from benchmarks.worlds import PITCH, ROOM, floor
+
+READS = 2_000
+ROUNDS = 3
+STEPS = 81
+ROOMS = 100
+
+BARE = """
+import os, uvicorn
+from fastapi import FastAPI, Response
+app, body = FastAPI(), open(os.environ["BODY_FILE"], "rb").read()
+
+@app.get("/body")
+async def read() -> Response:
+    return Response(body, media_type="application/json")
+
+uvicorn.run(app, port={port}, access_log=False, log_level="warning")
+"""
+
+
+async def _ask(port: int, method: str, target: str, body: bytes = b"") -> bytes:
+    reader, writer = await asyncio.open_connection(HOST, port)
+    _, answer = await exchange(reader, writer, request_bytes(method, target, body))
+    writer.close()
+    return answer
+
+
+def ask(port: int, method: str, target: str, body: bytes = b"") -> bytes:
+    """Return the body of one answer."""
+    return asyncio.run(_ask(port, method, target, body))
+
+
+def new_session(port: int, document: bytes) -> str:
+    """Begin a session, and return its path."""
+    return f"/sessions/{orjson.loads(ask(port, 'POST', '/sessions', document))['id']}"
+
+
+def hundred_zones(port: int) -> str:
+    """Return the path of a session whose map has 100 zones."""
+    zones = [
+        {"label": it.label, "kind": it.kind.name.lower(), "low": it.low, "high": it.high}
+        for it in floor(2 * ROOMS).zones
+    ]
+    session = new_session(port, orjson.dumps({"world": {"zones": zones}}))
+    across = max(2, round(ROOMS**0.5))
+    for number in range(ROOMS):
+        row, column = divmod(number, across)
+        pose = {"x": column * PITCH + ROOM / 2, "y": row * PITCH + ROOM / 2}
+        ask(port, "POST", f"{session}/step", orjson.dumps({"pose": pose}))
+    return session
+
+
+def steps_row(port: int, sessions: int) -> dict[str, str]:
+    """Return what steps cost with so many sessions at once."""
+    world = (EXAMPLE / "world.json").read_bytes()
+    targets = [new_session(port, b'{"world": ' + world + b"}") for _ in range(sessions)]
+    bodies = [orjson.dumps({"pose": {"x": x, "y": y}}) for x, y in path()]
+    ours: list[float] = []
+
+    def request(number: int) -> bytes:
+        turn, session = divmod(number, sessions)
+        return request_bytes("POST", f"{targets[session]}/step", bodies[turn % STEPS])
+
+    def note(body: bytes) -> float:
+        ours.append(orjson.loads(body)["timings_ms"]["total"])
+        return 0.0
+
+    load = run(port, request, clients=sessions, count=STEPS * sessions, taken_off=note)
+    mean = statistics.mean(load.times)
+    return {
+        "sessions": str(sessions), "steps a second": f"{load.rate:.0f}",
+        "p50, ms": f"{load.percentile(0.5):.2f}", "p99, ms": f"{load.percentile(0.99):.2f}",
+        "the map's share": f"{statistics.mean(ours) / mean:.0%}",
+        "HTTP's, waiting's and the database's": f"{1 - statistics.mean(ours) / mean:.0%}",
+    }  # fmt: skip
+
+
+def reads(port: int, request: bytes, expected: int = 200) -> Load:
+    """Return how long reads take, one after the other."""
+    return run(port, lambda _: request, clients=1, count=READS, expected=expected)
+
+
+def read_rows(port: int, session: str, folder: Path) -> Iterator[dict[str, str]]:
+    """Yield what reading zones and graph costs, beside a bare endpoint with the same bytes."""
+    for name in ("zones", "graph"):
+        body = ask(port, "GET", f"{session}/{name}")
+        file = folder / name
+        file.write_bytes(body)
+        with server(BARE, {"BODY_FILE": str(file)}) as bare_port:
+            ask(bare_port, "GET", "/body")
+            ours, bare = [], []
+            for _ in range(ROUNDS):
+                ours.append(reads(port, request_bytes("GET", f"{session}/{name}")))
+                bare.append(reads(bare_port, request_bytes("GET", "/body")))
+        mine, theirs = (min(it.percentile(0.5) for it in loads) for loads in (ours, bare))
+        yield {
+            "read": f"{name} of {ROOMS} zones", "bytes": f"{len(body):,}",
+            "p50, ms": f"{mine:.2f}", "bare p50, ms": f"{theirs:.2f}",
+            "ratio": f"{mine / theirs:.2f}",
+        }  # fmt: skip
+
+
+def tables() -> Iterator[tuple[str, list[dict[str, str]]]]:
+    """Yield what steps and reads cost over HTTP."""
+    with tempfile.TemporaryDirectory() as folder:
+        environment = {"STEP_DATABASE": str(Path(folder) / "reads.db")}
+        with server(SEMTOPO, environment) as port:
+            rows = [steps_row(port, sessions) for sessions in (1, 8)]
+            yield "Steps over HTTP, 72 beams, SQLite, one process", rows
+            session = hundred_zones(port)
+            yield "Reads over HTTP", list(read_rows(port, session, Path(folder)))
