@@ -9,14 +9,16 @@ import math
 from collections import Counter
 from collections.abc import Iterator
 from dataclasses import replace
+from functools import lru_cache
 from itertools import pairwise
 
 from semtopo.atlas import Atlas
 from semtopo.gap import find_gap, refusal
 from semtopo.ground import ground_of
 from semtopo.journey import Place, Route, RouteRequest
-from semtopo.network import Network, network_of
-from semtopo.search import Errand, Search, Stop, Terms, Way
+from semtopo.metric import MetricMap
+from semtopo.network import NETWORKS_KEPT, Network, network_of
+from semtopo.search import Errand, Search, Stop, Terms, Way, Ways
 from semtopo.types import Point
 
 SHARED_MAX = 0.7
@@ -44,6 +46,7 @@ class Finder:
             [number[zone_id] for zone_id in request.via],
         )
         self._terms = terms_of(atlas, request, self._network)
+        self._ways = Ways(self._length, _turns(self._network, self._metric))
 
     def routes(self) -> Iterator[Route]:
         """Yield the best route, then others that are different enough; raises NoRouteError."""
@@ -54,7 +57,7 @@ class Finder:
         used: Counter[int] = Counter()
         found: list[Route] = []
         for _ in range(SEARCHES_MAX):
-            way = Search(self._network, self._length, self._errand, self._dearer(used)).run()
+            way = Search(self._network, self._ways, self._errand, self._dearer(used)).run()
             if way is None:
                 return
             route = self._route(way)
@@ -111,6 +114,12 @@ class Finder:
             math.fsum(costs),
             math.fsum(lengths),
         )
+
+
+@lru_cache(maxsize=NETWORKS_KEPT)
+def _turns(_network: Network, _metric: MetricMap) -> dict[int, int]:
+    """Return where the costs of turns of a network on a map are kept; of the latest, the same."""
+    return {}
 
 
 def terms_of(atlas: Atlas, request: RouteRequest, network: Network) -> Terms:

@@ -1,13 +1,11 @@
 """The passages of a graph as a network: numbered, with what it costs at least from one to another.
 
 In come a graph and a cost model; out goes what every search on that graph can share. Costs are
-whole numbers, so that they add up exactly and equal ones are equal. Landmarks (Goldberg and
-Harrelson, 2005) bound from below what the way from any passage to any other costs.
+whole numbers, so that they add up exactly and equal ones are equal.
 """
 
 from __future__ import annotations
 
-import heapq
 import math
 from collections.abc import Iterable
 from dataclasses import dataclass, field
@@ -26,14 +24,9 @@ UNIT = 1e-6
 
 COST_MAX = 1e6
 
-LANDMARKS = 8
-
-FEW_USES = 256
-"""Up to here, a search looks at everything sooner than landmarks are found."""
-
 TURNS_MAX = 1_000_000
 """Pairs of a use that enters a zone and one that leaves it, in all zones; with more of them (a hall
-of a thousand doors), neither landmarks nor rows are kept."""
+of a thousand doors), they are not kept in memory."""
 
 NETWORKS_KEPT = 16
 """Networks in memory; one of 10,000 zones takes some 20 MB."""
@@ -138,24 +131,6 @@ class Network:
                 found[zone] = number
         return found
 
-    @cached_property
-    def landmarks(self) -> Floats:
-        """The least cost from each of some uses to every use: (landmarks, uses), maybe infinite.
-
-        The first is the one farthest from the first use of all, every other one the farthest from
-        those before it.
-        """
-        count = len(self.uses)
-        if count <= FEW_USES or self.turns > TURNS_MAX:
-            return np.empty((0, count))
-        nearest = self._costs_from(0)
-        rows: list[Floats] = []
-        for _ in range(LANDMARKS):
-            landmark = int(np.argmax(nearest))  # where none leads to, before all others
-            rows.append(self._costs_from(landmark))
-            nearest = rows[0] if len(rows) == 1 else np.minimum(nearest, rows[-1])
-        return np.stack(rows)
-
     def row(self, use: int) -> Row:
         """Return the uses that may follow one, each with what the way to it costs at least."""
         known = self._rows.get(use)
@@ -178,21 +153,6 @@ class Network:
         for use, zone in enumerate(zones):
             found[zone].append(use)
         return found
-
-    def _costs_from(self, start: int) -> Floats:
-        """Return the least costs from one use to all (Dijkstra, 1959)."""
-        costs = [math.inf] * len(self.uses)
-        costs[start] = 0
-        waiting: list[tuple[float, int]] = [(0, start)]
-        while waiting:
-            cost, use = heapq.heappop(waiting)
-            if cost > costs[use]:
-                continue
-            for following, step in self.row(use):
-                if cost + step < costs[following]:
-                    costs[following] = cost + step
-                    heapq.heappush(waiting, (cost + step, following))
-        return np.array(costs)
 
 
 @lru_cache(maxsize=NETWORKS_KEPT)

@@ -9,11 +9,13 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 from dataclasses import replace
+from functools import lru_cache
 from itertools import islice, pairwise
 
 import numpy as np
 
 from semtopo.atlas import Atlas
+from semtopo.doorways import Doorway
 from semtopo.errors import (
     NotConnectedError,
     OutsideError,
@@ -26,8 +28,12 @@ from semtopo.freespace import FreeSpace, Path
 from semtopo.geometry import joined
 from semtopo.ground import ground_of
 from semtopo.journey import Place, Route, RouteRequest
+from semtopo.metric import MappedZone
 from semtopo.network import CostModel
 from semtopo.types import Point
+
+SPACES_KEPT = 32
+"""Free spaces in memory, of the latest paths; each is a triangulation of all zones on the way."""
 
 __all__ = [
     "SHARED_MAX", "CostModel", "Place", "Route", "RouteRequest", "find_routes", "widest_place",
@@ -84,8 +90,12 @@ def _with_paths(atlas: Atlas, routes: Iterator[Route], radius: float) -> Iterato
 def _path(atlas: Atlas, route: Route, radius: float) -> Path:
     """Return the shortest path through the zones of a route and the doorways between them."""
     metric = atlas.state.metric
-    regions = [metric.zones[zone_id].region for zone_id in dict.fromkeys(route.zones)]
-    for one, other in dict.fromkeys(pairwise(route.zones)):
-        regions += [doorway.region for doorway in metric.doorways.between(one, other)]
-    space = FreeSpace(joined(np.array(regions, dtype=np.object_)), radius)
-    return space.path(route.points[0], route.points[-1])
+    parts: list[MappedZone | Doorway] = [metric.zones[it] for it in sorted(set(route.zones))]
+    for one, other in sorted({(min(pair), max(pair)) for pair in pairwise(route.zones)}):
+        parts += metric.doorways.between(one, other)
+    return _space(tuple(parts), radius).path(route.points[0], route.points[-1])
+
+
+@lru_cache(maxsize=SPACES_KEPT)
+def _space(parts: tuple[MappedZone | Doorway, ...], radius: float) -> FreeSpace:
+    return FreeSpace(joined(np.array([part.region for part in parts], dtype=np.object_)), radius)

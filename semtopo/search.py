@@ -15,18 +15,31 @@ from dataclasses import dataclass, field
 from typing import TypeAlias
 
 import numpy as np
+from numpy.typing import NDArray
 
-from semtopo.network import UNIT, Network, Row
-from semtopo.types import Floats, Point
+from semtopo.network import TURNS_MAX, UNIT, Network, Row
+from semtopo.types import Point
 
 Legs: TypeAlias = Callable[[int, Point, Point], float]
 """Gives the length in m of the way inside a zone, by its number, between two points."""
+
+
+@dataclass(frozen=True, slots=True)
+class Ways:
+    """The ways inside the zones of a map, and what the turns of a network were found to cost."""
+
+    legs: Legs
+    turns: dict[int, int]
+
 
 Stop: TypeAlias = tuple[int, Point]
 """A zone, by its number, and a point in it."""
 
 GOALS_AIMED_AT = 16
 """With more goals than this, how far the nearest one is would take longer to tell than to find."""
+
+ROUNDING = 1e-12
+"""Relative; more than what distances and their sums may be off."""
 
 ENTRIES = 2**17
 """So many pairs of entering and leaving are tried in one zone: all, below 360 doors. A larger hall
@@ -78,9 +91,10 @@ state before it, and the true cost there."""
 class Search:
     """One search. A state is a use, or a goal, together with how many of `via` lie behind."""
 
-    def __init__(self, network: Network, legs: Legs, errand: Errand, terms: Terms) -> None:
+    def __init__(self, network: Network, ways: Ways, errand: Errand, terms: Terms) -> None:
         """Find the bounds that lead the search."""
-        self._network, self._legs, self._errand, self._terms = network, legs, errand, terms
+        self._network, self._errand, self._terms = network, errand, terms
+        self._legs, self._turns = ways.legs, ways.turns
         self._apply = terms != Terms()
         self._count = len(network.uses)
         self._stride = self._count + len(errand.goals)
@@ -117,7 +131,7 @@ class Search:
     def _push(self, state: int, paid: int, layer: int, zone: int, row: Row) -> None:
         """Let all that may follow a state wait for their turn."""
         waiting, known, terms, uses = self._waiting, self._before, self._terms, self._network.uses
-        offset, bounds, via = layer * self._stride, self._bounds[layer], self._errand.via
+        offset, bounds, via = layer * self._stride, self._bounds, self._errand.via
         for use, step in row:
             cost = paid + step
             if self._apply:
@@ -125,8 +139,7 @@ class Search:
                     continue
                 cost = paid + math.ceil(step * terms.factor(zone, use))
             if via:
-                reached = self._arrived(layer, uses[use].target)
-                offset, bounds = reached * self._stride, self._bounds[reached]
+                offset = self._arrived(layer, uses[use].target) * self._stride
             if offset + use not in known:
                 heapq.heappush(waiting, (cost + bounds[use], -cost, offset + use, state, paid))
         if layer == len(via):
@@ -144,11 +157,21 @@ class Search:
 
     def _true_cost(self, before: int, state: int) -> int:
         """Return what it costs to go on from one state to another, along the true way."""
-        number = state % self._stride
-        zone = self._errand.start[0]
-        if before >= 0:
-            zone = self._network.uses[before % self._stride].target
-        return self._cost(zone, number, self._legs(zone, *self._points(before, number)))
+        number, last = state % self._stride, before % self._stride
+        if before < 0 or number >= self._count:
+            zone = self._errand.start[0] if before < 0 else self._network.uses[last].target
+            return self._cost(zone, number, self._legs(zone, *self._points(before, number)))
+        turn = last * self._count + number
+        cost = self._turns.get(turn)
+        if cost is None:
+            zone = self._network.uses[last].target
+            metres = self._legs(zone, *self._points(before, number))
+            cost = self._network.model.units(metres, 1)
+            if len(self._turns) < TURNS_MAX:
+                self._turns[turn] = cost
+        if not self._apply:
+            return cost
+        return math.ceil(cost * self._terms.factor(self._network.uses[last].target, number))
 
     def _cost(self, zone: int, number: int, metres: float) -> int:
         """Return what a way of so many metres inside a zone costs, to a use or a goal."""
@@ -172,46 +195,13 @@ class Search:
         return tuple(reversed(found))
 
 
-def _bounds(network: Network, errand: Errand, terms: Terms) -> list[memoryview]:
-    """Return what it costs at least from each use to a goal: an array for each layer of states."""
-    uses, units = network.uses, network.model.units
-    goals = [
-        (use, units(math.dist(uses[use].passage.point, point), 0))
-        for zone, point in errand.goals
-        for use in network.entering[zone]
-    ]
-    straight = _straight(network, errand)
-    rest = np.maximum(straight, _landmark_bounds(network, goals))
-    layers = [rest]
-    for zone in reversed(errand.via):
-        entering = network.entering[zone]
-        least = min((float(rest[use]) for use in entering), default=0.0)
-        to_zone = _landmark_bounds(network, [(use, 0) for use in entering]) + least
-        rest = np.maximum(straight, to_zone)
-        layers.insert(0, rest)
-    factor = terms.least_factor
-    return [np.floor(layer * factor).astype(np.int64).data for layer in layers]
-
-
-def _straight(network: Network, errand: Errand) -> Floats:
-    """Return what the straight way from each use to the nearest goal costs."""
-    if len(errand.goals) > GOALS_AIMED_AT or not errand.goals:
-        return np.zeros(len(network.uses))
+def _bounds(network: Network, errand: Errand, terms: Terms) -> memoryview:
+    """Return what it costs at least from each use to the nearest goal: straight ahead."""
+    if not 0 < len(errand.goals) <= GOALS_AIMED_AT:
+        return np.zeros(len(network.uses), np.int64).data
     goals = np.array([point for _, point in errand.goals])
     apart = network.points[:, np.newaxis, :] - goals
     metres = np.hypot(apart[..., 0], apart[..., 1]).min(axis=1)
-    return np.asarray(metres * ((network.model.length or UNIT) * (1 - 1e-12) / UNIT))
-
-
-def _landmark_bounds(network: Network, ends: list[tuple[int, int]]) -> Floats:
-    """Return what it costs at least from each use to one of some uses, with what follows those."""
-    costs = network.landmarks
-    if not ends or len(costs) == 0:
-        return np.zeros(len(network.uses))
-    uses, rest = np.array(ends).T
-    aims = (costs[:, uses] + rest).min(axis=1)
-    reached = np.isfinite(aims)
-    if not reached.any():
-        return np.zeros(len(network.uses))
-    bounds: Floats = (aims[reached, np.newaxis] - costs[reached]).max(axis=0)
-    return np.maximum(bounds, 0.0)
+    units = (network.model.length or UNIT) * terms.least_factor / UNIT
+    bounds: NDArray[np.int64] = np.floor(metres * (units * (1 - ROUNDING))).astype(np.int64)
+    return bounds.data

@@ -13,10 +13,17 @@ from collections.abc import Iterator
 from functools import cache
 from itertools import pairwise
 from pathlib import Path
+from typing import Any
 
+import numpy as np
 import pytest
+import shapely
 
+from semtopo.atlas import Atlas
+from semtopo.errors import NoRouteError
+from semtopo.geometry import joined
 from semtopo.mapper import Step, run
+from semtopo.route import Place, Route, RouteRequest, find_routes
 from semtopo.runs import LabelledRuns, from_runs
 from semtopo.scan import Scan
 from semtopo.types import Edges, Identity, Kind, MappingOptions, Passages, Point, Pose
@@ -120,3 +127,35 @@ def test_places_of_a_label_and_all_doors_make_the_same_building() -> None:
     # through the door of room-14 no scan showed half a square metre of corridor
     assert driven - set(graph.pairs) == {("room-14", "corridor")}
     assert {frozenset(key[:2]) for key in last.state.metric.doorways if key[0] != key[1]} <= DOORS
+
+
+def asked(**more: Any) -> tuple[Route, ...]:  # noqa: ANN401 -- as RouteRequest takes it
+    atlas = Atlas(drive()[1][-1].state)
+    return find_routes(
+        atlas, RouteRequest(start=Place("room-6"), goals=(Place("room-14"),), **more)
+    )
+
+
+def test_the_way_from_room_to_room() -> None:
+    (route,) = asked(radius=0.25)
+    assert route.zones == ("room-6", "corridor", "room-14")
+    assert route.path is not None
+    assert route.path.clearance >= 0.25
+    line = shapely.LineString(route.path.points)
+    metric = drive()[1][-1].state.metric
+    regions = [metric.zones[zone].region for zone in route.zones]
+    regions += [door.region for door in metric.doorways.values()]
+    assert joined(np.array(regions, dtype=np.object_)).buffer(1e-6).covers(line)
+    assert 5 < route.path.length <= route.length + 1
+
+
+def test_the_way_around_what_is_avoided() -> None:
+    (direct,) = asked()
+    (around,) = asked(avoid_passages=frozenset({("room-6", "corridor", 0)}))
+    assert around.zones == ("room-6", "room-8", "corridor", "room-14")
+    assert around.length > direct.length
+    avoiding = frozenset({"room-8"})
+    assert asked(avoid_zones=avoiding)[0] == direct
+    with pytest.raises(NoRouteError) as caught:
+        asked(avoid_zones=frozenset({"corridor"}))
+    assert caught.value.restricted

@@ -5,6 +5,7 @@ from __future__ import annotations
 import json
 import subprocess
 from functools import cache
+from itertools import permutations
 from pathlib import Path
 from typing import Any
 
@@ -95,6 +96,70 @@ def test_routes_follow_the_direction_of_edges(server: Server, runs: dict[int, st
     assert asked["route"] == route
     assert asked["kind"] == "path"
     assert asked["sentence"].startswith("Leave A at (")
+
+
+def test_every_pair_of_zones_is_answered_in_the_end(server: Server, runs: dict[int, str]) -> None:
+    path = runs[72]
+    for source, target in permutations(("corridor", "A", "B", "C", "D"), 2):
+        asked = {"from": source, "to": target, "radius": 0.2}
+        route = json.loads(server.get(f"{path}/route", **asked))
+        middle = [] if "corridor" in (source, target) else ["corridor"]
+        assert route["zones"] == [source, *middle, target]
+        assert route["path"]["clearance"] >= 0.2
+        assert route["path"]["length"] == pytest.approx(route["length"], rel=0.15)
+        assert route["path"]["points"][0] == pytest.approx(route["points"][0], abs=1e-3)
+        assert route["path"]["points"][-1] == pytest.approx(route["points"][-1], abs=1e-3)
+
+
+def test_a_passage_that_is_missing_is_named_until_it_is_found(
+    server: Server, runs: dict[int, str]
+) -> None:
+    asked = {"from": "corridor", "to": "C"}
+    for at in (29, 65):
+        refused = server.client.get(f"{runs[72]}/route", params={**asked, "at": at})
+        problem = refused.json()
+        assert (refused.status_code, problem["code"]) == (409, "no_route")
+        assert problem["missing"] == {"source": "corridor", "target": "C", "since": 29}
+        assert "C" in problem["reaching"]
+        assert {"corridor", "A"} <= set(problem["reachable"])
+        assert problem["frontier"]["towards"] == "C"
+    backwards = json.loads(server.get(f"{runs[72]}/route", **asked, at=29, two_way=True))
+    assert backwards["zones"] == ["corridor", "C"]
+    assert [it["backwards"] for it in backwards["passages"]] == [True]
+    assert json.loads(server.get(f"{runs[72]}/route", **asked, at=66))["zones"] == ["corridor", "C"]
+
+
+def test_routes_on_all_terms(server: Server, runs: dict[int, str]) -> None:
+    path = runs[72]
+
+    def route(**asked: Any) -> dict[str, Any]:  # noqa: ANN401 -- parameters
+        params = {key.rstrip("_"): it for key, it in asked.items()}
+        answer = server.client.get(f"{path}/route", params=params)
+        return {**answer.json(), "http": answer.status_code}
+
+    assert route(from_="A", to="B", via=["C", "D"])["zones"] == [
+        "A", "corridor", "C", "corridor", "D", "corridor", "B",
+    ]  # fmt: skip
+    assert route(from_="A", to="B", avoid=["corridor"])["code"] == "no_route"
+    assert route(from_="A", to="B", avoid=["A->corridor", "D"])["restricted"] is True
+    assert route(from_="A", to="B", avoid="corridor->D")["zones"] == ["A", "corridor", "B"]
+    assert route(from_="A", to="B", avoid="A->B")["code"] == "unknown_passage"
+    assert route(from_="A", to="kitchen")["code"] == "unknown_zone"
+    assert route(x=1.0, y=6.0, to="A")["points"][0] == [1.0, 6.0]
+    assert route(x=1.0, y=6.0, to="A")["source"] == "corridor"
+    assert route(x=-50, y=0, to="A")["code"] == "outside_free_space"
+    assert route(from_="A", x=1.0, y=6.0, to="B")["code"] == "outside_free_space"
+    assert route(x=1.0, to="A")["code"] == "invalid_request"
+    assert route(from_="here", to="A")["source"] == "corridor"
+    assert route(from_="A", to="B", passage_cost=10)["cost"] == pytest.approx(
+        route(from_="A", to="B")["length"] + 20
+    )
+    assert route(from_="A", to="B", length_cost=0, passage_cost=1)["cost"] == 2
+    assert route(from_="A", to="B", alternatives=3)["alternatives"] == []
+    narrow = route(from_="A", to="B", radius=3)
+    assert (narrow["http"], narrow["code"], narrow["needed"]) == (409, "too_narrow", 6)
+    for wrong in ({"radius": -1}, {"alternatives": 0}, {"passage_cost": "nan"}, {"x": 1e9}):
+        assert route(from_="A", to="B", **wrong)["code"] == "invalid_request", wrong
 
 
 def test_edges_adjacent_is_passed_on(server: Server) -> None:
