@@ -1,8 +1,10 @@
 /** Questions in words; the answer in words, and on the map. */
 
-import { Problem, sendJson } from "./api.js";
+import { Problem, getJson, sendJson } from "./api.js";
 import { byId, complain, el, fixed } from "./dom.js";
 import { edgeKey } from "./model.js";
+
+const RADIUS = 0.1; // m, of the robot for which a path is drawn
 
 /**
  * @typedef {object} Answer what views draw of an answer
@@ -50,7 +52,9 @@ export class AskBox {
     this.asked = text;
     try {
       const answer = await sendJson(`${this.session.path}/query`, { text });
-      if (number === this.number) this.show(answer.sentence, answer, false);
+      if (number !== this.number) return undefined;
+      this.show(answer.sentence, answer, false);
+      if (answer.route?.passages.length > 0) await this.addPath(answer, number);
     } catch (error) {
       if (!(error instanceof Problem)) return complain(error);
       if (number === this.number) this.show(error.message, error.body, true);
@@ -70,6 +74,25 @@ export class AskBox {
         el("button", { type: "button", onclick: () => this.clear() }, "Clear")),
     );
     this.session.store.set({ answer: gap ? this.gap(gap) : this.found(body) });
+  }
+
+  /** Draw the path that a robot can drive, where there is one. @param {any} answer @param {number} number */
+  async addPath(answer, number) {
+    const { route } = answer;
+    const query = new URLSearchParams({ from: route.source, to: route.target, radius: String(RADIUS) });
+    for (const zone of route.zones.slice(1, -1)) query.append("via", zone);
+    if (route.points) [query.set("x", route.points[0][0]), query.set("y", route.points[0][1])];
+    let words;
+    try {
+      const { path } = await getJson(`${this.session.path}/route?${query}`);
+      if (number !== this.number) return;
+      this.session.store.set({ answer: this.found({ ...answer, route: { ...route, path } }) });
+      words = `A path of ${fixed(path.length)} m keeps ${fixed(path.clearance)} m from all that is not free.`;
+    } catch (error) {
+      if (!(error instanceof Problem)) throw error;
+      words = `No path is drawn: ${error.message.charAt(0).toLowerCase()}${error.message.slice(1)}`;
+    }
+    if (number === this.number) byId("answer").querySelector(".chips").before(el("p", { class: "facts" }, words));
   }
 
   clear() {
@@ -119,7 +142,7 @@ export class AskBox {
   addRoute(shown, route) {
     shown.zones.push(...route.zones);
     shown.edges.push(...route.passages.map(edgeKey));
-    const points = route.path?.points ?? this.stations(route);
+    const points = route.path?.points ?? route.points ?? this.stations(route);
     shown.lines.push(points);
     shown.points.push(points[0], points[points.length - 1]);
   }

@@ -10,8 +10,9 @@ import pytest
 from playwright.sync_api import Browser, Page, expect
 
 from service import key_desk
+from tests.plans import Floor
 from tests.servers import Json, Server
-from tests.service.twin import at, paper_steps, paper_world
+from tests.service.twin import at, paper_steps, paper_world, world_json
 from tests.viewer.browser import opened_page, picture
 
 STEPS = paper_steps()
@@ -199,6 +200,40 @@ def test_ask_and_be_refused_then_answered(browser: Browser, server: Server) -> N
         picture(page, "answered")
         page.get_by_role("button", name="Clear").click()
         expect(answer).to_be_empty()
+
+
+def test_a_closed_passage_changes_the_route(browser: Browser, server: Server) -> None:
+    """From one link of a floor to the other leads the south corridor, or else the north one."""
+    floor = Floor(2)
+    path = server.create(
+        world=world_json(floor.world), sensor={"range": 4.0, "samples": 40},
+        mapping={"edges": "adjacent"},
+    )  # fmt: skip
+    for x, y in floor.path():
+        server.step(path, at(x, y))
+    with opened_page(browser, address(server, path)) as page:
+        expect(page.locator("#session-view")).to_have_attribute("data-exact", "true")
+        answer = page.locator("#answer")
+        ask(page, "path from west to east")
+        expect(answer).to_contain_text(re.compile(r"west → (south|north) → east"))
+        expect(answer).to_contain_text("keeps 0.1")
+        first = "south" if "south" in answer.inner_text() else "north"
+        other = {"south": "north", "north": "south"}[first]
+        page.locator("#tables summary").click()
+        page.locator("#tables table").first.get_by_role("button", name="west", exact=True).click()
+        page.get_by_role("button", name=f"Close west → {first}").click()
+        expect(answer).to_contain_text(f"west → {other} → east")
+        expect(page.locator("#details .shut")).to_have_text("closed")
+        picture(page, "closed")
+        page.get_by_role("button", name=f"Open west → {first}").click()
+        expect(answer).to_contain_text(f"west → {first} → east")
+        expect(page.locator("#details .shut")).to_have_count(0)
+        others = server.client.post(
+            f"{path}/restrictions",
+            json={"passage": {"source": "west", "target": first}, "closed": True},
+        )
+        assert others.status_code == 201
+        expect(answer).to_contain_text(f"west → {other} → east")  # somebody else closed it
 
 
 def test_map_and_graph_are_linked(browser: Browser, server: Server) -> None:
