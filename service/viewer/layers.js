@@ -172,7 +172,7 @@ export function drawPoint(context, camera, [x, y], { fill, closed = false, large
   context.arc(x, y, r, 0, 2 * Math.PI);
   context.fillStyle = fill;
   context.fill();
-  context.lineWidth = (large ? 2 : Math.min(2, 0.08 * camera.scale)) * camera.pixel;
+  context.lineWidth = (large ? 2 : Math.min(2, 0.045 * camera.scale)) * camera.pixel;
   context.strokeStyle = colour("halo");
   context.stroke();
   if (!closed) return;
