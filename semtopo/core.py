@@ -21,9 +21,6 @@ from semtopo.zones import Border
 RIM = 0.25
 """Share of the tolerance by which scans may go beyond the core; the rest is for the border."""
 
-SMALL_GAIN = 0.02
-"""m^2; a scan that adds more is taken in without a look at where it lies."""
-
 
 @dataclass(frozen=True, eq=False)
 class Core:
@@ -38,11 +35,10 @@ class Core:
 
     def grown(self, region: Region, border: Border) -> Core:
         """Return the core with a region taken in, or itself where that lies within the rim."""
-        if "rim" in self.__dict__ and self.rim.covers(region):
+        if self.rim.covers(region):
             return self
         fused = fuse(self.region, region)
-        gain = fused.area - self.region.area
-        if fused is self.region or (gain < SMALL_GAIN and self.rim.covers(region)):
+        if fused is self.region:
             return self
         around = self.border.updated(border, fused, box_around(region))
         return Core(fused, around, self.tolerance)

@@ -34,6 +34,7 @@ from service.tables import (
     zone_versions,
     zones,
 )
+from tests.servers import Json
 from tests.service.twin import Twin, paper_steps, paper_world
 from tests.strategies import Scene, all_options, options, scenes
 
@@ -135,6 +136,29 @@ def assert_same_doorways(found: Doorways, wanted: Doorways) -> None:
 def test_an_empty_map_comes_back(connection: Connection) -> None:
     row = saved(connection, (MapState(),))
     assert_same(store.load_state(connection, row), MapState())
+
+
+def reduced_session() -> Json:
+    """Return a session with exact beams and reduced borders."""
+    mapping = {"sensing": "exact", "tolerance": 0.05}
+    return {"world": paper_world(), "sensor": {"beams": 36}, "mapping": mapping}
+
+
+def test_reduced_borders_come_back_with_their_cores_and_go_on_from_there(
+    connection: Connection,
+) -> None:
+    states = tuple(Twin.driven(reduced_session(), paper_steps()).states)
+    found = store.load_state(connection, saved(connection, states[:41]))
+    assert_same(found, states[40])
+    for zone_id, one in found.metric.zones.items():
+        other = states[40].metric.zones[zone_id]
+        assert one.core is not None
+        assert other.core is not None
+        assert shapely.to_wkb(one.core.region) == shapely.to_wkb(other.core.region)
+    twin = Twin(reduced_session(), states=[found])
+    for document in paper_steps()[40:]:
+        twin.step(document)
+    assert_same(twin.states[-1], states[-1])
 
 
 @pytest.mark.parametrize("seq", [1, 7, 63, 64, 65, 66, 128, 139, 140])

@@ -115,13 +115,13 @@ class Twin:
     def step(self, document: Json) -> Json:
         """Take a step, and return its answer, but for the time that it took."""
         pose = PoseDocument.model_validate(document["pose"]).value()
+        options = MappingDocument.model_validate(self.session.get("mapping", {})).value()
         if "scan" in document:
             scan = from_runs(pose, ScanDocument.model_validate(document["scan"]).value())
         else:
             world = WorldDocument.model_validate(self.session["world"]).value()
             sensor = SensorDocument.model_validate(self.session.get("sensor", {})).value()
-            scan = scan_world(world, sensor, pose.position)
-        options = MappingDocument.model_validate(self.session.get("mapping", {})).value()
+            scan = scan_world(world, sensor, pose.position, sensing=options.sensing)
         taken = step(self.states[-1], scan, options)
         self.states.append(taken.state)
         self.answers.append(plain(step_document(taken)))
