@@ -33,6 +33,10 @@ export function drawWorld(context, camera, world) {
   context.setLineDash([3 * camera.pixel, 3 * camera.pixel]);
   context.stroke(world.space);
   context.stroke(world.obstacle);
+  context.strokeStyle = colour("passage");
+  context.globalAlpha = 0.5;
+  context.stroke(world.passage);
+  context.globalAlpha = 1;
   context.setLineDash([]);
 }
 

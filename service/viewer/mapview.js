@@ -10,6 +10,7 @@ import * as layers from "./layers.js";
 import { colour, shade } from "./palette.js";
 
 const HIT_PIXELS = 10;
+const BEHIND_MAX = 3; // steps; older beams are none of where the robot is
 const PLAIN_MAX = 250; // more zones in sight are drawn plain
 const LAYERS = { walls: "Walls, passages, frontiers", beams: "Beams", trail: "Trail", names: "Names", world: "The simulated world" };
 
@@ -176,7 +177,7 @@ export class MapView {
     camera.apply(context, ratio);
     this.drawLit(context);
     if (shown.trail) layers.drawTrail(context, camera, poses, Math.max((this.drawn ?? 0) - 1, 0), step);
-    if (shown.beams && moment.sight?.pose && moment.sight.seq === step) layers.drawBeams(context, camera, moment.sight);
+    if (shown.beams && moment.sight?.pose && Math.abs(moment.sight.seq - step) <= BEHIND_MAX) layers.drawBeams(context, camera, moment.sight);
     this.drawAnswer(context);
     this.drawPassages(context, camera, true);
     if (poses[step - 1]) layers.drawRobot(context, camera, poses[step - 1]);
