@@ -14,7 +14,7 @@ import orjson
 from rich.console import Console
 from rich.table import Table
 
-MODULES = ("stages", "growth", "worlds", "reading", "dense_paths")
+MODULES = ("stages", "growth", "worlds", "reading", "dense_paths", "routes")
 
 
 def show(console: Console, title: str, rows: list[dict[str, str]]) -> None:

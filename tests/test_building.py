@@ -20,7 +20,7 @@ import pytest
 import shapely
 
 from semtopo.atlas import Atlas
-from semtopo.errors import NoRouteError
+from semtopo.errors import NoRouteError, TooNarrowError
 from semtopo.geometry import joined
 from semtopo.mapper import Step, run
 from semtopo.route import Place, Route, RouteRequest, find_routes
@@ -137,16 +137,26 @@ def asked(**more: Any) -> tuple[Route, ...]:  # noqa: ANN401 -- as RouteRequest 
 
 
 def test_the_way_from_room_to_room() -> None:
-    (route,) = asked(radius=0.25)
+    (route,) = asked(radius=0.15)
     assert route.zones == ("room-6", "corridor", "room-14")
     assert route.path is not None
-    assert route.path.clearance >= 0.25
+    assert route.path.clearance >= 0.15
     line = shapely.LineString(route.path.points)
     metric = drive()[1][-1].state.metric
     regions = [metric.zones[zone].region for zone in route.zones]
     regions += [door.region for door in metric.doorways.values()]
     assert joined(np.array(regions, dtype=np.object_)).buffer(1e-6).covers(line)
     assert 5 < route.path.length <= route.length + 1
+
+
+def test_a_door_that_was_not_seen_wide_enough_is_named() -> None:
+    """No scan showed the doors of room-6 and room-14 as wide as they are."""
+    with pytest.raises(TooNarrowError) as caught:
+        asked(radius=0.25)
+    assert caught.value.needed == 0.5
+    assert 0.3 < caught.value.width < 0.5
+    ends = [passages()["room-6", "corridor"], passages()["corridor", "room-14"]]
+    assert min(math.dist(caught.value.point, end) for end in ends) < 0.5
 
 
 def test_the_way_around_what_is_avoided() -> None:
