@@ -18,7 +18,7 @@ from hypothesis import strategies as st
 
 from semtopo.runs import LabelledRuns
 from semtopo.sensor import Sensor
-from semtopo.types import Edges, Identity, Kind, MappingOptions, Passages, Point, Pose
+from semtopo.types import Edges, Identity, Kind, MappingOptions, Passages, Point, Pose, Sensing
 from semtopo.world import World, WorldZone
 
 SPACES = ("a", "b", "c")
@@ -153,6 +153,9 @@ all_options = st.one_of(
     options,
     instances,
     st.builds(MappingOptions, edges=st.sampled_from(Edges), passages=st.just(Passages.ALL)),
+    st.builds(
+        MappingOptions, sensing=st.sampled_from(Sensing), tolerance=st.sampled_from([0.02, 0.3])
+    ),
 )
 """All mapping options."""
 

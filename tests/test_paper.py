@@ -15,13 +15,14 @@ from pathlib import Path
 from typing import Any
 
 import pytest
+import shapely
 from shapely import Point as Place
 from shapely import Polygon
 
 from semtopo.graph import NodeFound, PassageFound
 from semtopo.mapper import Step, explore
 from semtopo.sensor import Sensor
-from semtopo.types import Edges, Kind, MappingOptions, Point
+from semtopo.types import Edges, Kind, MappingOptions, Occupancy, Point
 from semtopo.world import World, WorldZone
 from tests import oracle
 from tests.test_mapper import check_step
@@ -271,3 +272,29 @@ def test_passages_come_with_their_step() -> None:
     }
     found = {(s, t): p.seq for (s, t, _), p in step(81, 72).state.graph.passages.items()}
     assert found == told
+
+
+def test_border_points_equal_the_literal_ones() -> None:
+    """They are the characteristic points of all scans that are vertices of the zone in the end."""
+    sensor = Sensor(36, 2.0, 20)
+    claims: dict[str, dict[Point, Occupancy]] = {}
+    for position in path():
+        scan = oracle.analyse(world(), sensor, position)
+        for beam, pieces in enumerate(scan.beams):
+            for piece in pieces:
+                mine = claims.setdefault(piece.label, {})
+                ends = ((piece.near, piece.near_occupancy), (piece.far, piece.far_occupancy))
+                for radius, why in ends:
+                    place = rounded(*scan.at(beam, radius))
+                    mine[place] = max(mine.get(place, Occupancy.NONE), why)
+    for label, zone in step(len(path()), 36).state.metric.zones.items():
+        vertices = {rounded(x, y) for x, y in shapely.get_coordinates(zone.region).tolist()}
+        wanted = {it: why for it, why in claims[label].items() if it in vertices and why}
+        places = [rounded(x, y) for x, y in zone.border.xy.tolist()]
+        assert len(places) > 10
+        assert dict(zip(places, zone.border.occupancy.tolist(), strict=True)) == wanted
+
+
+def rounded(x: float, y: float) -> Point:
+    """Return a point without what rounding does to it."""
+    return (round(x, 9) + 0.0, round(y, 9) + 0.0)

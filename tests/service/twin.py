@@ -67,9 +67,9 @@ def sensor_json(sensor: Sensor) -> Json:
 
 def options_json(options: MappingOptions) -> Json:
     """Return mapping options as their document."""
-    words = ("edges", "passages", "identity")
+    words = ("edges", "passages", "identity", "sensing")
     chosen: Json = {name: str(getattr(options, name)) for name in words}
-    return {**chosen, "min_zone_area": options.min_zone_area}
+    return {**chosen, "min_zone_area": options.min_zone_area, "tolerance": options.tolerance}
 
 
 def scan_json(seen: LabelledRuns) -> Json:
