@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
+from typing import Any
 
 import httpx2
 import pytest
@@ -15,7 +16,8 @@ CALLS = [
     ("GET", ""), ("DELETE", ""), ("GET", "/graph"), ("GET", "/zones"), ("GET", "/borders"),
     ("GET", "/doorways"), ("GET", "/steps"), ("GET", "/route?from=a&to=b"), ("POST", "/step"),
     ("POST", "/query"), ("GET", "/trail"), ("GET", "/scan"), ("GET", "/world"),
-    ("GET", "/map.png"), ("GET", "/export/nav2"),
+    ("GET", "/map.png"), ("GET", "/export/nav2"), ("PUT", "/zones/A"), ("GET", "/restrictions"),
+    ("POST", "/restrictions"), ("DELETE", "/restrictions/0"),
 ]  # fmt: skip
 
 
@@ -30,8 +32,11 @@ def guarded(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Server]:
 
 
 def call(server: Server, method: str, path: str, bearer: str | None) -> httpx2.Response:
-    bodies = {"step": at(1, 6), "query": {"text": "path from a to b"}, "sessions": {}}
-    body = bodies.get(path.rpartition("/")[2]) if method == "POST" else None
+    bodies: dict[str, dict[str, Any]] = {
+        "step": at(1, 6), "query": {"text": "path from a to b"}, "sessions": {}, "A": {},
+        "restrictions": {"zone": "A", "closed": True},
+    }  # fmt: skip
+    body = bodies.get(path.rpartition("/")[2]) if method in {"POST", "PUT"} else None
     headers = [] if bearer is None else [(b"Authorization", f"Bearer {bearer}".encode("latin-1"))]
     return server.client.request(method, path, json=body, headers=headers)
 
