@@ -2,11 +2,12 @@
 
 from __future__ import annotations
 
-from typing import Any
+from typing import Any, Literal
 
 from pydantic import BaseModel
 
 from semtopo.errors import MissingPassage, NearestFrontier
+from semtopo.types import Point
 
 
 class Mistake(BaseModel):
@@ -36,6 +37,11 @@ class ProblemAnswer(BaseModel):
     missing: MissingPassage | None = None
     frontier: NearestFrontier | None = None
     restricted: bool | None = None
+    end: Literal["start", "goal"] | None = None
+    nearest: Point | None = None
+    point: Point | None = None
+    width: float | None = None
+    needed: float | None = None
 
 
 def problems(*statuses: int) -> dict[int | str, dict[str, Any]]:
