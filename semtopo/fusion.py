@@ -196,9 +196,10 @@ def _inside(region: Region, box: Box) -> _Pieces:
             whole.append(xy[first:stop])
             continue
         free = ~along[first : stop - 1]
-        starts = np.flatnonzero(free & ~np.roll(free, 1))
-        ends = np.flatnonzero(free & ~np.roll(free, -1)) + 1
-        ends = np.roll(ends, -int((ends[:1] <= starts[:1]).any()))
+        changes = np.flatnonzero(np.diff(free, prepend=free[-1:]))  # roll would take longer
+        starts, ends = changes[free[changes]], changes[~free[changes]]
+        if (ends[:1] <= starts[:1]).any():
+            ends = np.append(ends[1:], ends[0])
         ring = xy[first : stop - 1]
         for start, end in zip(starts.tolist(), (ends % len(ring)).tolist(), strict=True):
             inner = _stretch(ring, start + 1, end - 1) if end != start + 1 else ring[:0]

@@ -13,9 +13,11 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 from dataclasses import dataclass, field
+from typing import Any
 
 import numpy as np
 import shapely
+from numpy.typing import NDArray
 from shapely import MultiPolygon, Polygon
 
 from semtopo.geometry import NO_AREA, Polygons, Region, union
@@ -124,12 +126,22 @@ class Strips:
         """
         if not self.scan.exact:
             return ring
-        before, after = np.roll(ring, 1, axis=0), np.roll(ring, -1, axis=0)
+        before, after = _before(ring), _after(ring)
         (x, y), (along_x, along_y) = (ring - before).T, (after - before).T
         off = np.abs(x * along_y - y * along_x) > IN_LINE * np.hypot(along_x, along_y)
-        off |= (occupancy != np.roll(occupancy, 1)) | (occupancy != np.roll(occupancy, -1))
+        off |= (occupancy != _before(occupancy)) | (occupancy != _after(occupancy))
         kept: Floats = ring[off]
         return kept
+
+
+def _before(ring: NDArray[Any]) -> NDArray[Any]:
+    """Return what stands before each of the members of a ring."""
+    return np.concatenate([ring[-1:], ring[:-1]])
+
+
+def _after(ring: NDArray[Any]) -> NDArray[Any]:
+    """Return what stands after each of the members of a ring."""
+    return np.concatenate([ring[1:], ring[:1]])
 
 
 def _followed(left: Integers, right: Integers, after: Integers) -> Iterator[tuple[Integers, bool]]:
@@ -163,7 +175,7 @@ def find_strips(scan: Scan) -> Strips:
     left, right = _overlapping(scan)
     near, far = spans.near, spans.far
     east, north = scan.directions[:, 0], scan.directions[:, 1]
-    turn = np.abs(east * np.roll(north, -1) - north * np.roll(east, -1))
+    turn = np.abs(east * _after(north) - north * _after(east))
     area = turn[spans.beam[left]] * (far[left] * far[right] - near[left] * near[right]) / 2
     alike = (spans.label[left] == spans.label[right]) & ((near[left] == 0) == (near[right] == 0))
     chosen = alike & (area > NO_AREA)
