@@ -85,9 +85,10 @@ export function edgeKey(edge) {
   return JSON.stringify([edge.source, edge.target, edge.n ?? 0]);
 }
 
-/** @param {any} body of /graph @returns {{nodes: {id: string, label: string}[], edges: Edge[]}} */
+/** @param {any} body of /graph @returns {{seq: number, nodes: {id: string, label: string}[], edges: Edge[]}} */
 export function graphOf(body) {
   return {
+    seq: body.seq,
     nodes: body.nodes,
     edges: body.edges.map((/** @type {any} */ edge) => ({ ...edge, n: edge.n ?? 0, key: edgeKey(edge) })),
   };

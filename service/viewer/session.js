@@ -1,12 +1,13 @@
 /** One session: read it, follow it, and go back in time. Views listen to its store. */
 
-import { getJson, sessionPath } from "./api.js";
+import { Problem, getJson, sessionPath } from "./api.js";
 import { complain } from "./dom.js";
 import { graphOf, worldOf } from "./model.js";
 import { Moments } from "./moments.js";
 import { Store } from "./store.js";
 import { follow } from "./stream.js";
 
+const DELETED = "This session was deleted. What you see is the last that was known.";
 const REFRESH_MS = 120; // between two readings of a map that grows
 const SETTLE_MS = 50; // a slider that rests so long is worth asking for
 
@@ -23,7 +24,7 @@ export class Session {
       /** @type {any[]} steps that found something */ changes: [],
       /** @type {import("./moments.js").Moment} */ moment: { seq: 0, zones: [] },
       exact: true,
-      /** @type {ReturnType<typeof graphOf>} the newest */ graph: { nodes: [], edges: [] },
+      /** @type {ReturnType<typeof graphOf>} the newest */ graph: { seq: 0, nodes: [], edges: [] },
       /** @type {any} */ world: null,
       /** @type {any[]} */ restrictions: [],
       /** @type {any} */ answer: null,
@@ -38,12 +39,17 @@ export class Session {
     this.going = null;
     this.dirty = false;
     this.reading = false;
-    this.graphIsOld = false;
     this.settle = 0;
   }
 
   get state() {
     return this.store.state;
+  }
+
+  /** Whether a step has found something that the graph does not show yet. */
+  get graphIsOld() {
+    const { changes, graph } = this.state;
+    return changes.length > 0 && graph.seq < changes[changes.length - 1].seq;
   }
 
   /** The step that is shown. */
@@ -85,7 +91,7 @@ export class Session {
       location.reload();
     } catch (error) {
       this.store.set({ link: "gone" });
-      complain(error);
+      complain(error instanceof Problem && error.code === "unknown_session" ? DELETED : error);
     }
   }
 
@@ -122,16 +128,16 @@ export class Session {
     else if (event === "deleted") {
       this.stop?.();
       this.store.set({ link: "gone" });
-      complain("This session was deleted. What you see is the last that was known.");
+      complain(DELETED);
     }
   }
 
   /** @param {any} step */
   stepped(step) {
     const { poses } = this.state;
+    if (poses[step.seq - 1]) return; // it was told already
     poses[step.seq - 1] = [step.pose.x, step.pose.y, step.pose.theta];
     const changes = step.events.length > 0 ? [...this.state.changes, step] : this.state.changes;
-    if (step.events.length > 0) this.graphIsOld = true;
     this.store.set({ seq: Math.max(step.seq, this.state.seq), poses: poses.slice(), changes });
     if (this.state.at === null) this.store.set({ exact: this.state.moment.seq >= this.state.seq });
     if (this.state.at === null || step.events.length > 0) void this.refresh();
@@ -157,9 +163,9 @@ export class Session {
 
   async readNewest() {
     const wanted = this.graphIsOld ? this.get("/graph") : null;
-    this.graphIsOld = false;
     const [moment, graph] = await Promise.all([this.moments.read(""), wanted]);
     if (graph) this.store.set({ graph: graphOf(graph) });
+    if (this.graphIsOld) this.dirty = true;
     const isNewest = moment.seq >= this.state.seq && !this.graphIsOld;
     if (this.state.at === null) this.store.set({ moment, exact: isNewest });
   }

@@ -47,6 +47,7 @@ def passages(page: Page) -> set[tuple[str, str]]:
     tables = page.locator("#tables details")
     if tables.get_attribute("open") is None:
         tables.locator("summary").click()
+    expect(tables.locator("table")).to_have_count(2)
     rows = page.locator("#tables table").nth(1).locator("tbody tr").all()
     cells = [row.locator("td").all_inner_texts() for row in rows]
     return {(source, target) for source, target, *_ in cells}
@@ -321,6 +322,7 @@ def test_a_session_that_is_deleted_says_so(browser: Browser, server: Server) -> 
     path = driven(server, 5)
     with opened_page(browser, address(server, path)) as page:
         shows_step(page, 5, 5)
+        expect(page.locator("#link")).to_have_text("live")
         server.client.delete(path).raise_for_status()
         expect(page.locator("#link")).to_have_text("ended")
         expect(page.get_by_role("alert").filter(has_text="deleted")).to_be_visible()
