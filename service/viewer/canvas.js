@@ -32,6 +32,7 @@ export class Stage {
     this.valid = false;
     this.cost = 0;
     this.takenAt = -Infinity;
+    this.movedAt = -Infinity;
     this.waiting = 0;
     this.resting = 0;
     this.ratio = 1;
@@ -40,11 +41,10 @@ export class Stage {
       canvas.width = Math.round(canvas.clientWidth * this.ratio);
       canvas.height = Math.round(canvas.clientHeight * this.ratio);
       camera.resize(canvas.clientWidth, canvas.clientHeight);
-      this.takenAt = -Infinity;
       resized();
-      this.invalidate();
+      this.renew();
     }).observe(canvas);
-    onTheme(() => { this.takenAt = -Infinity; this.invalidate(); });
+    onTheme(() => this.renew());
   }
 
   /** What is drawn on the ground has changed. */
@@ -53,7 +53,19 @@ export class Stage {
     this.refresh();
   }
 
-  /** The camera has moved, or what is above has changed. */
+  /** The camera looks elsewhere, all at once. */
+  renew() {
+    this.takenAt = this.movedAt = -Infinity;
+    this.invalidate();
+  }
+
+  /** The camera is being moved. */
+  move() {
+    this.movedAt = performance.now();
+    this.refresh();
+  }
+
+  /** What is above has changed. */
   refresh() {
     this.waiting ||= requestAnimationFrame(() => {
       this.waiting = 0;
@@ -65,8 +77,9 @@ export class Stage {
     const { context, camera, ratio } = this;
     const still = this.valid && this.taken.looksAs(camera);
     const now = performance.now();
-    const moved = !this.taken.looksAs(camera) && this.takenAt > 0;
-    if (!still && (this.cost <= CHEAP_MS || (!moved && now - this.takenAt > SHARE * this.cost))) this.take();
+    const resting = now - this.movedAt > REST_MS;
+    const due = this.valid || now - this.takenAt > SHARE * this.cost;
+    if (!still && (this.cost <= CHEAP_MS || (resting && due))) this.take();
     else if (!still) this.rest();
     context.setTransform(ratio, 0, 0, ratio, 0, 0);
     const [x0, y0] = camera.toScreen(...this.taken.toMap(0, 0));
@@ -94,9 +107,11 @@ export class Stage {
     this.cost = this.takenAt - began;
   }
 
-  /** Draw it anew when nothing has moved for a moment. */
+  /** Look again, soon, whether it is to be drawn anew. */
   rest() {
-    clearTimeout(this.resting);
-    this.resting = window.setTimeout(() => { this.takenAt = -Infinity; this.refresh(); }, REST_MS);
+    this.resting ||= window.setTimeout(() => {
+      this.resting = 0;
+      this.refresh();
+    }, REST_MS);
   }
 }

@@ -27,14 +27,14 @@ export class GraphView {
       (context, camera, ratio) => this.drawAbove(context, camera, ratio),
       () => { if (!this.touched) this.fit(); });
     handle(canvas, this.camera, {
-      moved: () => { this.touched = true; this.stage.refresh(); },
+      moved: () => { this.touched = true; this.stage.move(); },
       fit: () => this.fit(),
       tapped: (px, py) => session.store.set({ selected: this.hit(px, py) }),
       hovered: (at) => this.hovered(at),
       key: () => false,
     });
-    byId("graph-in").onclick = () => { this.camera.zoom(1.4); this.stage.refresh(); };
-    byId("graph-out").onclick = () => { this.camera.zoom(1 / 1.4); this.stage.refresh(); };
+    byId("graph-in").onclick = () => { this.camera.zoom(1.4); this.stage.move(); };
+    byId("graph-out").onclick = () => { this.camera.zoom(1 / 1.4); this.stage.move(); };
     byId("graph-fit").onclick = () => this.fit();
     session.store.on(["graph", "moment"], () => this.changed());
     session.store.on(["at", "restrictions"], () => this.stage.invalidate());
@@ -63,7 +63,7 @@ export class GraphView {
     for (const { x, y, half } of this.placed.values()) growBox(box, [[x - half, y - HALF_HEIGHT], [x + half, y + HALF_HEIGHT]]);
     this.touched = false;
     this.camera.fit(this.placed.size > 0 ? box : [-1, -1, 1, 1], 1.25 * this.camera.size);
-    this.stage.invalidate();
+    this.stage.renew();
   }
 
   /** @param {import("./model.js").Edge} edge @returns {[number, number][] | null} start, bend and end in pixels of the layout */

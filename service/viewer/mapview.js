@@ -46,7 +46,7 @@ export class MapView {
 
   moved() {
     this.fitted = true;
-    this.stage.refresh();
+    this.stage.move();
     this.wantDetails();
   }
 
@@ -99,7 +99,7 @@ export class MapView {
     this.seen = this.state.moment.zones.length > 0 || this.state.world !== null;
     this.camera.fit(this.extent());
     this.fitted = false;
-    this.stage.invalidate();
+    this.stage.renew();
   }
 
   /** @param {KeyboardEvent} event @param {(event: KeyboardEvent) => boolean} driveKey */
