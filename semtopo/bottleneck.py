@@ -19,6 +19,10 @@ from semtopo.types import Point
 PRECISION = 1e-3
 """How exactly a width is found, as a share of the width that was needed."""
 
+COARSENESS = 0.02
+"""How far the border is simplified before, as a share of the radius: real borders are ragged, and
+each halving takes as long as they have vertices."""
+
 _GROWTH = 2.0
 """How far a place is grown back, in units of what it was shrunk by: enough to fill its corners, so
 that what is left of the wider region are the necks between such places."""
@@ -40,10 +44,13 @@ def find_bottleneck(region: Region, start: Point, goal: Point, radius: float) ->
     """Return the narrowest place of the widest way; None if start and goal are not connected.
 
     Both have a clearance of at least `radius` (m, positive), for which there is no way. The width
-    is found within about 1 %; of several necks as narrow,
+    is found within some per cent, as the border is simplified; of several necks as narrow,
     the one nearest to the start along the way.
     """
-    wide, low, high = _part_of_both(inset(region, 0.0), start, goal), 0.0, radius
+    plain = inset(shapely.simplify(region, COARSENESS * radius), 0.0)
+    wide, low, high = _part_of_both(plain, start, goal), 0.0, radius
+    if wide is None:  # the connection may have been lost with the simplified border
+        wide = _part_of_both(inset(region, 0.0), start, goal)
     if wide is None:
         return None
     whole = wide

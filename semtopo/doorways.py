@@ -25,9 +25,10 @@ DOORWAY_OVERLAP = 0.05
 with them is in one piece, in spite of rounding, of borders seen from elsewhere, and where the zones
 touch without a passage between (R5). What it reaches into was seen to be free, too."""
 
-DOORWAY_REACH = 0.03
+DOORWAY_REACH = 0.02
 """m; a piece changes a known doorway if a corner of it lies further out. From each place one sees
-slightly more of a jamb; without a limit, a doorway would change with every step."""
+slightly more of a jamb; without a limit, a doorway would change with every step. So much is lost of
+a doorway on each side, and a robot must still fit through."""
 
 Ends: TypeAlias = tuple[str, str]
 """The zone ids at both ends of a doorway, the lesser first."""

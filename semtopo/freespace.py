@@ -70,11 +70,24 @@ class FreeSpace:
         UnprovedPathError
             If the path found does not pass its check.
         """
+        found = self.find(start, goal)
+        if found is None:
+            raise self._refusal(self._entered(start, "start"), self._entered(goal, "goal"))
+        return found
+
+    def find(self, start: Point, goal: Point) -> Path | None:
+        """Return the same as `path`, but `None` where there is none; why not is costly to tell.
+
+        Raises
+        ------
+        OutsideError
+            If start or goal is not in free space.
+        UnprovedPathError
+            If the path found does not pass its check.
+        """
         begin, end = self._entered(start, "start"), self._entered(goal, "goal")
         points = shortest_polyline(self._mesh, begin, end)
-        if points is None:
-            raise self._refusal(begin, end)
-        return self._proved(points)
+        return None if points is None else self._proved(points)
 
     def distance(self, start: Point, goal: Point) -> float:
         """Return the length in m of the shortest path from start to goal; raises as `path` does."""

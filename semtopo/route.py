@@ -13,24 +13,27 @@ from functools import lru_cache
 from itertools import islice, pairwise
 
 import numpy as np
+import shapely
 
 from semtopo.atlas import Atlas
 from semtopo.doorways import Doorway
-from semtopo.errors import (
-    NotConnectedError,
-    OutsideError,
-    SemtopoError,
-    TooNarrowError,
-    UnknownZoneError,
-)
+from semtopo.errors import NoRouteError, OutsideError, TooNarrowError, UnknownZoneError
 from semtopo.finder import SHARED_MAX, Finder
 from semtopo.freespace import FreeSpace, Path
-from semtopo.geometry import joined
+from semtopo.geometry import Region, joined, polygonal
+from semtopo.graph import PassageKey
 from semtopo.ground import ground_of
+from semtopo.inset import inset
 from semtopo.journey import Place, Route, RouteRequest
 from semtopo.metric import MappedZone
 from semtopo.network import CostModel
 from semtopo.types import Point
+
+SEARCHES = 8
+"""How often a way is looked for that leaves out what was too narrow before."""
+
+AROUND = 0.3
+"""m; how far into both zones a robot must come to have passed a doorway, beside its own width."""
 
 SPACES_KEPT = 32
 """Free spaces in memory, of the latest paths; each is a triangulation of all zones on the way."""
@@ -60,10 +63,11 @@ def find_routes(atlas: Atlas, request: RouteRequest) -> tuple[Route, ...]:
     for zone_id in request.named:
         if zone_id not in atlas.state.graph.nodes:
             raise UnknownZoneError("the map has no such zone")
-    routes = Finder(atlas, request).routes()
-    if request.radius is not None:
-        routes = _with_paths(atlas, routes, request.radius)
-    return tuple(sorted(islice(routes, request.alternatives), key=lambda route: route.cost))
+    if request.radius is None:
+        routes = list(islice(Finder(atlas, request).routes(), request.alternatives))
+    else:
+        routes = _with_paths(atlas, request, request.radius)
+    return tuple(sorted(routes, key=lambda route: route.cost))
 
 
 def widest_place(atlas: Atlas, zone_id: str) -> Point:
@@ -71,29 +75,80 @@ def widest_place(atlas: Atlas, zone_id: str) -> Point:
     return ground_of(atlas.state.metric, zone_id).widest_place
 
 
-def _with_paths(atlas: Atlas, routes: Iterator[Route], radius: float) -> Iterator[Route]:
-    """Yield the routes that have a path, with it; raises the first error where none has."""
-    refused: SemtopoError | None = None
-    is_passable = False
-    for route in routes:
+def _with_paths(atlas: Atlas, request: RouteRequest, radius: float) -> list[Route]:
+    """Return the best routes that have a path, with it; raises the error of the best if none has.
+
+    Passages that prove too narrow are left out, and the search begins anew.
+    """
+    narrow: frozenset[PassageKey] = frozenset()
+    best: Route | None = None
+    for _ in range(SEARCHES):
+        avoided = replace(request, avoid_passages=request.avoid_passages | narrow)
         try:
-            path = _path(atlas, route, radius)
-        except (OutsideError, TooNarrowError, NotConnectedError) as error:
-            refused = refused or error
-        else:
-            is_passable = True
-            yield replace(route, path=path)
-    if refused is not None and not is_passable:
-        raise refused
+            tried = list(islice(Finder(atlas, avoided).routes(), request.alternatives))
+        except NoRouteError:
+            if best is None:
+                raise
+            break
+        best = best or tried[0]
+        passable = [
+            replace(route, path=path)
+            for route in tried
+            if (path := _path(_free_space(atlas, route, radius), route)) is not None
+        ]
+        if passable:
+            return passable
+        found = {key for route in tried for key in _too_narrow(atlas, route, radius)}
+        if found <= narrow:
+            break
+        narrow |= found
+    assert best is not None  # noqa: S101 -- a search without a route raises
+    return [replace(best, path=_free_space(atlas, best, radius).path(*_ends(best)))]  # says why not
 
 
-def _path(atlas: Atlas, route: Route, radius: float) -> Path:
-    """Return the shortest path through the zones of a route and the doorways between them."""
+def _ends(route: Route) -> tuple[Point, Point]:
+    return route.points[0], route.points[-1]
+
+
+def _too_narrow(atlas: Atlas, route: Route, radius: float) -> Iterator[PassageKey]:
+    """Yield the passages of a route through whose doorways the robot does not fit."""
+    metric = atlas.state.metric
+    for passage in route.passages:
+        ends = metric.zones[passage.source].region, metric.zones[passage.target].region
+        doors = metric.doorways.between(passage.source, passage.target)
+        if not any(_fits(door.region, ends, radius) for door in doors):
+            yield passage.key
+
+
+def _fits(door: Region, ends: tuple[Region, Region], radius: float) -> bool:
+    """Say whether a robot can go through a doorway from the one zone to the other."""
+    around = door.buffer(AROUND + 2 * radius).bounds
+    near = [polygonal(shapely.clip_by_rect(end, *around)) for end in ends]
+    halls = [_largest(inset(zone, radius)) for zone in near]
+    parts = shapely.get_parts(inset(joined(np.array([door, *near], dtype=np.object_)), radius))
+    return any(all(part.intersects(hall) for hall in halls) for part in parts)
+
+
+def _largest(region: Region) -> Region:
+    """Return the largest part of a region; the region itself where it is empty."""
+    return max(shapely.get_parts(region), key=shapely.area, default=region)
+
+
+def _path(space: FreeSpace, route: Route) -> Path | None:
+    """Return the shortest path of a route, `None` where the robot does not fit."""
+    try:
+        return space.find(*_ends(route))
+    except (OutsideError, TooNarrowError):
+        return None
+
+
+def _free_space(atlas: Atlas, route: Route, radius: float) -> FreeSpace:
+    """Return the zones of a route and the doorways between them, for a robot of some radius."""
     metric = atlas.state.metric
     parts: list[MappedZone | Doorway] = [metric.zones[it] for it in sorted(set(route.zones))]
     for one, other in sorted({(min(pair), max(pair)) for pair in pairwise(route.zones)}):
         parts += metric.doorways.between(one, other)
-    return _space(tuple(parts), radius).path(route.points[0], route.points[-1])
+    return _space(tuple(parts), radius)
 
 
 @lru_cache(maxsize=SPACES_KEPT)
