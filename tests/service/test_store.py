@@ -91,7 +91,8 @@ def saved(
     connection: Connection, states: tuple[MapState, ...], session_id: str = "one"
 ) -> SessionRow:
     """Store a run step by step, as the service does, and return the session."""
-    store.add_session(connection, new(session_id))
+    key = store.CreationKey(session_id, b"\x01" * 32)
+    assert store.begin_session(connection, new(session_id), key) == session_id
     row = store.find_session(connection, session_id)
     assert row is not None
     for before, after in pairwise(states):
