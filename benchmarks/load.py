@@ -27,11 +27,12 @@ class Load:
         return len(self.times) / self.seconds
 
 
-def request_bytes(method: str, path: str, body: bytes = b"") -> bytes:
-    """Return a request as it goes over the wire."""
+def request_bytes(method: str, path: str, body: bytes = b"", **headers: str) -> bytes:
+    """Return a request as it goes over the wire; further headers are named with underscores."""
+    more = "".join(f"{name.replace('_', '-')}: {it}\r\n" for name, it in headers.items())
     head = (
         f"{method} {path} HTTP/1.1\r\nHost: {HOST}\r\n"
-        f"Content-Type: application/json\r\nContent-Length: {len(body)}\r\n\r\n"
+        f"Content-Type: application/json\r\nContent-Length: {len(body)}\r\n{more}\r\n"
     )
     return head.encode() + body
 
@@ -42,7 +43,8 @@ async def exchange(
     """Send a request, and return the status and the body of its answer."""
     writer.write(request)
     head = (await reader.readuntil(b"\r\n\r\n")).lower()
-    length = int(head.split(b"content-length: ")[1].split(b"\r\n")[0])
+    _, _, told = head.partition(b"content-length: ")
+    length = int(told.split(b"\r\n")[0] or 0)  # 304 has none
     return int(head[9:12]), await reader.readexactly(length)
 
 

@@ -8,7 +8,7 @@ from __future__ import annotations
 
 import logging
 import sqlite3
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from importlib import resources
 from pathlib import Path
 from time import monotonic, sleep
@@ -49,6 +49,8 @@ class Database:
 
     writer: Engine
     reader: Engine
+    glance: Connection | None = None
+    """For single statements on the event loop; none where one might wait for a writer or a wire."""
 
     @property
     def single_writer(self) -> bool:
@@ -57,6 +59,8 @@ class Database:
 
     def close(self) -> None:
         """Close all connections; the writer last, so that it is the one to checkpoint."""
+        if self.glance is not None:
+            self.glance.close()
         self.reader.dispose()
         self.writer.dispose()
 
@@ -75,11 +79,12 @@ def open_database(database: str) -> Database:
     opened = _open_sqlite(url) if url.get_backend_name() == "sqlite" else _open_postgresql(url)
     try:
         migrate(opened.writer)
+        glance = _glance(opened.reader)
     except (SQLAlchemyError, CommandError) as error:
         opened.close()
         cause = getattr(error, "orig", None) or error
         raise StorageError(f"the database cannot be opened: {cause}") from error
-    return opened
+    return replace(opened, glance=glance)
 
 
 def sqlite_file(database: str) -> Path | None:
@@ -138,10 +143,23 @@ def _open_sqlite(url: URL) -> Database:
     journal = _journal_mode(driver)
     options: dict[str, Any] = {"module": driver, "connect_args": {"check_same_thread": False}}
     writer = create_engine(url, poolclass=StaticPool, **options)
-    reader = create_engine(url, pool_size=16, max_overflow=0, **options)
+    reader = create_engine(url, pool_size=16 + 1, max_overflow=0, **options)  # with the glance
     for engine, begin in ((writer, "BEGIN IMMEDIATE"), (reader, "BEGIN")):
         _prepare_sqlite(engine, driver, begin, journal, query_only=engine is reader)
     return Database(writer, reader)
+
+
+def _glance(reader: Engine) -> Connection | None:
+    """Return a connection whose reading never waits: to SQLite with a write-ahead log alone."""
+    if reader.dialect.name != "sqlite":
+        return None
+    connection = reader.connect()
+    below: Any = connection.connection.driver_connection
+    if below.execute("PRAGMA journal_mode").fetchone() != ("wal",):
+        connection.close()
+        return None
+    below.execute("PRAGMA busy_timeout = 0")
+    return connection
 
 
 def _journal_mode(driver: ModuleType) -> str:

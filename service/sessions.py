@@ -53,7 +53,10 @@ class Sessions:
 
     async def find(self, session_id: str) -> HotSession:
         """Return a session as it is stored; raises UnknownSessionError."""
-        query = partial(load, session_id=session_id, known=self._hot.get(session_id))
+        known, glance = self._hot.get(session_id), self._database.glance
+        if known and glance and store.is_at(glance, session_id, known.version):
+            return known
+        query = partial(load, session_id=session_id, known=known)
         found = await self.read(query)
         newest = self._hot.get(session_id)
         if newest is None or newest.version[0] != found.version[0] or _is_older(newest, found):

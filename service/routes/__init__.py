@@ -19,8 +19,8 @@ from service.routes import (
 )
 
 ROOMS = (
-    steps, sessions, live, maps, notes, views, pictures, exports, answers, questions, operations,
+    steps, maps, sessions, live, notes, views, pictures, exports, answers, questions, operations,
 )  # fmt: skip
 
 ROUTES: list[APIRoute] = [route for room in ROOMS for route in room.router.routes]
-"""All routes, in the order in which they are tried: steps first, since they come most often."""
+"""All routes, in the order in which they are tried: first those that are asked for most often."""

@@ -5,6 +5,7 @@ from __future__ import annotations
 from fastapi import APIRouter, Request, Response
 
 from semtopo.codec import zones_body
+from service.arguments import DirectRoute
 from service.parameters import (
     AtStep,
     BoundingBox,
@@ -17,7 +18,7 @@ from service.replies import GeoJsonBytes, JsonBytes, unless_known
 from service.schemas.maps import GraphAnswer, ZonesAnswer
 from service.schemas.problems import problems
 
-router = APIRouter(tags=["map"], responses=problems(401, 413, 422, 503))
+router = APIRouter(tags=["map"], responses=problems(401, 413, 422, 503), route_class=DirectRoute)
 
 
 @router.get(

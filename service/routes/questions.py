@@ -6,13 +6,15 @@ import orjson
 from fastapi import APIRouter, Request, Response
 
 from semtopo.codec import answer_document
-from service.arguments import BodyRoute
+from service.arguments import DirectRoute
 from service.parameters import SessionId, maps_of
 from service.replies import JsonBytes
 from service.schemas.problems import problems
 from service.schemas.questions import QueryAnswer, QueryRequest
 
-router = APIRouter(tags=["answers"], responses=problems(401, 413, 422, 503), route_class=BodyRoute)
+router = APIRouter(
+    tags=["answers"], responses=problems(401, 413, 422, 503), route_class=DirectRoute
+)
 
 
 @router.post(

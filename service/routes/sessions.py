@@ -11,7 +11,7 @@ from typing import Annotated, Any
 import orjson
 from fastapi import APIRouter, Query, Request, Response
 
-from service.arguments import BodyRoute
+from service.arguments import DirectRoute
 from service.clock import now
 from service.hot import HotSession
 from service.parameters import (
@@ -27,7 +27,9 @@ from service.schemas.problems import problems
 from service.schemas.sessions import SessionAnswer, SessionRequest, SessionsAnswer
 from service.store import CreationKey, NewSession, SessionHead
 
-router = APIRouter(tags=["sessions"], responses=problems(401, 413, 422, 503), route_class=BodyRoute)
+router = APIRouter(
+    tags=["sessions"], responses=problems(401, 413, 422, 503), route_class=DirectRoute
+)
 
 
 @router.post(

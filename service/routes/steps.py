@@ -8,7 +8,7 @@ from typing import Any
 import orjson
 from fastapi import APIRouter, Request, Response
 
-from service.arguments import BodyRoute
+from service.arguments import DirectRoute
 from service.parameters import (
     AfterStep,
     IdempotencyKey,
@@ -25,7 +25,9 @@ from service.schemas.problems import problems
 from service.schemas.steps import StepAnswer, StepDocument, StepsAnswer
 from service.store import LoggedStep
 
-router = APIRouter(tags=["mapping"], responses=problems(401, 413, 422, 503), route_class=BodyRoute)
+router = APIRouter(
+    tags=["mapping"], responses=problems(401, 413, 422, 503), route_class=DirectRoute
+)
 
 
 @router.post(

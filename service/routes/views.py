@@ -7,13 +7,17 @@ from typing import Any
 from fastapi import APIRouter, Request, Response
 
 from semtopo.exports.geojson import borders_body, doorways_body
+from service.arguments import DirectRoute
 from service.parameters import AtStep, IfNoneMatch, SessionId, maps_of
 from service.replies import GeoJsonBytes, unless_known
 from service.schemas.maps import BordersAnswer, DoorwaysAnswer
 from service.schemas.problems import problems
 
 router = APIRouter(
-    prefix="/sessions/{session_id}", responses=problems(401, 404, 413, 422, 503), tags=["map"]
+    prefix="/sessions/{session_id}",
+    responses=problems(401, 404, 413, 422, 503),
+    tags=["map"],
+    route_class=DirectRoute,
 )
 
 UNCHANGED: dict[int | str, dict[str, Any]] = {304: {"description": "unchanged"}}

@@ -45,6 +45,7 @@ from service.store.sessions import (
     delete_session,
     find_session,
     find_version,
+    is_at,
     list_sessions,
 )
 
@@ -74,6 +75,7 @@ __all__ = [
     "find_time",
     "find_version",
     "history_after",
+    "is_at",
     "list_changes",
     "list_positions",
     "list_sessions",

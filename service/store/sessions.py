@@ -5,8 +5,9 @@ from __future__ import annotations
 from dataclasses import dataclass, fields
 
 from sqlalchemy import Connection, bindparam, delete, insert, select, update
+from sqlalchemy.exc import SQLAlchemyError
 
-from service.statements import Statement, run
+from service.statements import Statement, find, run
 from service.tables import sessions
 
 _ADVANCE = Statement(
@@ -16,6 +17,12 @@ _ADVANCE = Statement(
     )
     .values(version=bindparam("version"))
 )
+
+_FIND_VERSION = select(sessions.c.number, sessions.c.version, sessions.c.revision).where(
+    sessions.c.id == bindparam("session_id")
+)
+
+_GLANCE = Statement(_FIND_VERSION)
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -97,9 +104,19 @@ def find_version(connection: Connection, session_id: str) -> tuple[int, int, int
 
     `None` if there is no such session.
     """
-    columns = (sessions.c.number, sessions.c.version, sessions.c.revision)
-    row = connection.execute(select(*columns).where(sessions.c.id == session_id)).one_or_none()
+    row = connection.execute(_FIND_VERSION, {"session_id": session_id}).one_or_none()
     return None if row is None else (row.number, row.version, row.revision)
+
+
+def is_at(glance: Connection, session_id: str, version: tuple[int, int, int]) -> bool:
+    """Say whether a session is at a version as `find_version` tells it, at once.
+
+    False too where the database cannot tell: `find_version` waits, or says what is wrong.
+    """
+    try:
+        return find(glance, _GLANCE, {"session_id": session_id}) == version
+    except (glance.dialect.loaded_dbapi.Error, SQLAlchemyError):
+        return False
 
 
 def advance(connection: Connection, session: int, base: int) -> bool:

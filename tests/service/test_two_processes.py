@@ -122,6 +122,22 @@ def test_entity_tags_hold_for_both(pair: Pair, below: str) -> None:
         assert (refused.status_code, refused.json()["code"]) == (412, "version_mismatch")
 
 
+def test_who_only_reads_sees_each_change_at_the_very_next_reading(pair: Pair) -> None:
+    writes, reads = pair
+    path = writes.create(**SESSION)
+    for document in STEPS[:20]:
+        tag = writes.client.post(f"{path}/step", json=document).headers["ETag"]
+        for below in ("graph", "zones"):
+            first = reads.client.get(f"{path}/{below}")
+            assert (first.status_code, first.headers["ETag"]) == (200, tag)
+            for _ in range(3):
+                again = reads.client.get(f"{path}/{below}", headers={"If-None-Match": tag})
+                assert again.status_code == 304
+    assert writes.client.delete(path).status_code == 204
+    for below in ("", "/graph", "/zones"):
+        assert reads.client.get(path + below).status_code == 404
+
+
 def test_notes_of_one_are_seen_by_the_other(pair: Pair) -> None:
     path = pair[0].create(**SESSION)
     for document in STEPS[:5]:
