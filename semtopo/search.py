@@ -2,7 +2,8 @@
 
 In come a network, where to go and on what terms; out goes the sequence of uses that costs least.
 The way inside a zone is first taken as straight; its true length is asked for only when the search
-is about to follow it (lazily, as Cohen et al., 2014, do).
+is about to follow it (lazily, as Cohen et al., 2014, do). From zone to zone that must be visited
+the search goes in stages: what comes after a zone depends only on how it was entered.
 """
 
 from __future__ import annotations
@@ -12,6 +13,7 @@ import math
 from collections import Counter
 from collections.abc import Callable, Collection, Mapping, Sequence
 from dataclasses import dataclass, field
+from itertools import groupby
 from typing import TypeAlias
 
 import numpy as np
@@ -35,8 +37,9 @@ class Ways:
 Stop: TypeAlias = tuple[int, Point]
 """A zone, by its number, and a point in it."""
 
-GOALS_AIMED_AT = 16
-"""With more goals than this, how far the nearest one is would take longer to tell than to find."""
+POINTS_AIMED_AT = 16
+"""With more points than this, how far the nearest one is would take longer to tell than to find;
+how far their bounding box is, is told instead."""
 
 ROUNDING = 1e-12
 """Relative; more than what distances and their sums may be off."""
@@ -89,71 +92,115 @@ state before it, and the true cost there."""
 
 
 class Search:
-    """One search. A state is a use, or a goal, together with how many of `via` lie behind."""
+    """One search, in stages: to each zone of `via` in turn, then to a goal.
+
+    A state is a use, or a goal, together with how many zones of `via` lie behind. A stage begins
+    at all uses that may enter the zone where the one before it ended, each with its own cost.
+    """
 
     def __init__(self, network: Network, ways: Ways, errand: Errand, terms: Terms) -> None:
-        """Find the bounds that lead the search."""
+        """Give the goals numbers, and leave out of `via` where one is already."""
         self._network, self._errand, self._terms = network, errand, terms
         self._legs, self._turns = ways.legs, ways.turns
         self._apply = terms != Terms()
         self._count = len(network.uses)
         self._stride = self._count + len(errand.goals)
+        self._via = [zone for zone, _ in groupby((errand.start[0], *errand.via))][1:]
         self._ends: dict[int, list[int]] = {}
         for number, (zone, _) in enumerate(errand.goals, start=self._count):
             self._ends.setdefault(zone, []).append(number)
-        self._bounds = _bounds(network, errand, terms)
-        self._entries: Counter[int] = Counter()
+        self._bounds = memoryview(b"")
         self._before: dict[int, int] = {}
         self._waiting: list[_Item] = []
 
     def run(self) -> Way | None:
         """Return the way that costs least; of several, always the same one."""
-        start, point = self._errand.start
-        self._push(-1, 0, self._arrived(0, start), start, self._network.row_from(start, point))
-        while self._waiting:
+        entries: list[_Item] = []
+        for layer, zone in enumerate(self._via):
+            targets = [use for use in self._network.entering[zone] if not self._is_closed(use)]
+            points = [self._network.uses[use].passage.point for use in targets]
+            self._begin(layer, points, entries)
+            entries = self._stage(layer, len(targets))
+        self._begin(len(self._via), [point for _, point in self._errand.goals], entries)
+        for _, _, state, before, _ in self._stage(len(self._via), 1):
+            return Way(self._uses_until(before), state % self._stride - self._count)
+        return None
+
+    def _begin(self, layer: int, points: Sequence[Point], entries: Sequence[_Item]) -> None:
+        """Let where a stage begins wait; the stage leads to the nearest of some points."""
+        self._bounds = _bounds(self._network, points, self._terms)
+        self._waiting = []
+        if layer == 0:
+            start, point = self._errand.start
+            self._push(-1, 0, layer, start, self._network.row_from(start, point))
+        for _, cost, state, before, paid in entries:
+            bound = self._bounds[state % self._stride]
+            heapq.heappush(self._waiting, (bound - cost, cost, state, before, paid))
+
+    def _stage(self, layer: int, wanted: int) -> list[_Item]:
+        """Return what is reached at the end of a stage, as far as it can matter, cheapest first."""
+        found: dict[int, _Item] = {}
+        counts: Counter[int] = Counter()
+        limit, end = math.inf, (layer + 1) * self._stride
+        while self._waiting and len(found) < wanted:
             bound, cost, state, before, paid = heapq.heappop(self._waiting)
-            if state in self._before:
+            if bound >= limit:
+                break
+            if state in self._before or state in found:
                 continue
             true = paid + self._true_cost(before, state)
             if true > -cost:
                 heapq.heappush(self._waiting, (bound + true + cost, -true, state, before, paid))
                 continue
+            number = state % self._stride
+            if state >= end or number >= self._count:
+                found[state] = (bound, cost, state, before, paid)
+                if len(found) == 1 < wanted:
+                    limit = true + self._detour(layer + 1, number)
+                continue
             self._before[state] = before
-            layer, number = divmod(state, self._stride)
-            if number >= self._count:
-                return Way(self._uses_until(before), number - self._count)
             zone = self._network.uses[number].target
-            self._entries[zone] += 1
-            if self._entries[zone] * len(self._network.leaving[zone]) <= ENTRIES:
+            counts[zone] += 1
+            if counts[zone] * len(self._network.leaving[zone]) <= ENTRIES:
                 self._push(state, true, layer, zone, self._network.row(number))
-        return None
+        return list(found.values())
+
+    def _detour(self, layer: int, use: int) -> int:
+        """Return how much dearer it is at most to go on from a use than from any other beside it.
+
+        Whatever enters the same zone for that much more is not needed: whichever way is to be gone
+        on from there costs no more from this use.
+        """
+        zone = self._network.uses[use].target
+        after = self._network.leaving[zone]
+        if layer == len(self._via):
+            after = [*after, *self._ends.get(zone, ())]
+        costs = (self._true_cost(use, number) - self._cost(zone, number, 0.0) for number in after)
+        return max(costs, default=0)
 
     def _push(self, state: int, paid: int, layer: int, zone: int, row: Row) -> None:
         """Let all that may follow a state wait for their turn."""
         waiting, known, terms, uses = self._waiting, self._before, self._terms, self._network.uses
-        offset, bounds, via = layer * self._stride, self._bounds, self._errand.via
+        offset, bounds = layer * self._stride, self._bounds
+        aim = self._via[layer] if layer < len(self._via) else -1
         for use, step in row:
             cost = paid + step
             if self._apply:
-                if use in terms.closed_uses or uses[use].target in terms.closed_zones:
+                if self._is_closed(use):
                     continue
                 cost = paid + math.ceil(step * terms.factor(zone, use))
-            if via:
-                offset = self._arrived(layer, uses[use].target) * self._stride
-            if offset + use not in known:
-                heapq.heappush(waiting, (cost + bounds[use], -cost, offset + use, state, paid))
-        if layer == len(via):
+            after = offset + use + (self._stride if uses[use].target == aim else 0)
+            if after not in known:
+                heapq.heappush(waiting, (cost + bounds[use], -cost, after, state, paid))
+        if layer == len(self._via):
             for end in self._ends.get(zone, ()):
-                after = layer * self._stride + end
                 cost = paid + self._cost(zone, end, math.dist(*self._points(state, end)))
-                heapq.heappush(waiting, (cost, -cost, after, state, paid))
+                heapq.heappush(waiting, (cost, -cost, offset + end, state, paid))
 
-    def _arrived(self, layer: int, zone: int) -> int:
-        """Return how many of `via` lie behind when a zone is entered."""
-        via = self._errand.via
-        while layer < len(via) and via[layer] == zone:
-            layer += 1
-        return layer
+    def _is_closed(self, use: int) -> bool:
+        """Say whether a use must not be gone by, or leads where none may enter."""
+        zones, uses = self._terms.closed_zones, self._terms.closed_uses
+        return use in uses or self._network.uses[use].target in zones
 
     def _true_cost(self, before: int, state: int) -> int:
         """Return what it costs to go on from one state to another, along the true way."""
@@ -195,13 +242,17 @@ class Search:
         return tuple(reversed(found))
 
 
-def _bounds(network: Network, errand: Errand, terms: Terms) -> memoryview:
-    """Return what it costs at least from each use to the nearest goal: straight ahead."""
-    if not 0 < len(errand.goals) <= GOALS_AIMED_AT:
+def _bounds(network: Network, points: Sequence[Point], terms: Terms) -> memoryview:
+    """Return what it costs at least from each use to the nearest of some points: straight ahead."""
+    if not points:
         return np.zeros(len(network.uses), np.int64).data
-    goals = np.array([point for _, point in errand.goals])
-    apart = network.points[:, np.newaxis, :] - goals
-    metres = np.hypot(apart[..., 0], apart[..., 1]).min(axis=1)
+    ends, uses = np.array(points), network.points
+    if len(points) <= POINTS_AIMED_AT:
+        apart = uses[:, np.newaxis, :] - ends
+        metres = np.hypot(apart[..., 0], apart[..., 1]).min(axis=1)
+    else:
+        apart = np.maximum(0, np.maximum(ends.min(axis=0) - uses, uses - ends.max(axis=0)))
+        metres = np.hypot(apart[..., 0], apart[..., 1])
     units = (network.model.length or UNIT) * terms.least_factor / UNIT
     bounds: NDArray[np.int64] = np.floor(metres * (units * (1 - ROUNDING))).astype(np.int64)
     return bounds.data
