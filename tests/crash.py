@@ -2,9 +2,10 @@
 
     python -m tests.crash --kills 200 [--on sqlite|...] [--seed 1]
 
-Sixteen robots take steps in eight sessions, two in each. Meanwhile processes are killed (-9) and
-started again. At the end, every answered step must stand in the log once, in order and with that
-answer, and the map must be what the library makes of the log; see `robots.check`.
+Sixteen robots take steps in eight sessions, two in each, and two founders begin more sessions.
+Meanwhile processes are killed (-9) and started again. At the end, every answered step must stand in
+the log once, in order and with that answer, and the map must be what the library makes of the log;
+see `robots.check`.
 """
 
 from __future__ import annotations
@@ -24,7 +25,15 @@ from pathlib import Path
 from typing import Protocol
 
 from tests.postgres import running_postgres
-from tests.robots import Robot, check, make_robots
+from tests.robots import (
+    Founder,
+    Robot,
+    Stubborn,
+    check,
+    check_founders,
+    make_founders,
+    make_robots,
+)
 from tests.servers import Server
 
 BETWEEN_KILLS = (0.05, 0.8)  # s, drawn anew each time, so that kills fall anywhere in a step
@@ -70,6 +79,7 @@ class Report:
     """What a run of kills came to."""
 
     robots: Sequence[Robot]
+    founders: Sequence[Founder]
     restarts: list[float]
     seconds: float
 
@@ -97,11 +107,13 @@ class Report:
             sum(getattr(robot, name) for robot in self.robots)
             for name in ("attempts", "hung_up", "asked_again")
         )
+        begun = sum(len(founder.answered) for founder in self.founders)
         return (
             f"{len(restarts)} kills in {self.seconds:.0f} s; {self.answered} steps answered in"
             f" {attempts} attempts, of which {hung_up} hung up; first answer lost and repeated:"
             f" {self.replayed} by a kill, {self.replayed_after_hanging_up} after hanging up;"
             f" {asked_again} asked again; 0 lost, 0 doubled, 0 out of order;"
+            f" {begun} sessions begun, 0 lost, 0 doubled;"
             f" restart median {restarts[len(restarts) // 2]:.2f} s, longest {restarts[-1]:.2f} s"
         )
 
@@ -110,21 +122,24 @@ def torment(
     servers: Sequence[Server], victims: Sequence[Victim], kills: int, seed: int
 ) -> Report:  # fmt: skip
     """Let robots drive while victims are killed; check everything; say what happened."""
-    robots, begun = make_robots(servers, seed), time.monotonic()
-    restarts = asyncio.run(_drive_and_kill(robots, victims, kills, random.Random(seed)))
+    robots, founders = make_robots(servers, seed), make_founders(servers, seed)
+    clients: list[Stubborn] = [*robots, *founders]
+    begun = time.monotonic()
+    restarts = asyncio.run(_drive_and_kill(clients, victims, kills, random.Random(seed)))
     seconds = time.monotonic() - begun
     check(servers, robots)
-    return Report(robots, restarts, seconds)
+    check_founders(servers, founders)
+    return Report(robots, founders, restarts, seconds)
 
 
 async def _drive_and_kill(
-    robots: Sequence[Robot], victims: Sequence[Victim], kills: int, chance: random.Random
+    clients: Sequence[Stubborn], victims: Sequence[Victim], kills: int, chance: random.Random
 ) -> list[float]:
     """Return how long each restart took, in s."""
     stop, restarts = asyncio.Event(), []
     async with asyncio.TaskGroup() as tasks:
-        for robot in robots:
-            tasks.create_task(robot.drive(stop))
+        for client in clients:
+            tasks.create_task(client.drive(stop))
         for number in range(kills):
             await asyncio.sleep(chance.uniform(*BETWEEN_KILLS))
             victim = chance.choice(victims)

@@ -1,7 +1,8 @@
 """Robots that never give up: each step is sent until it is answered, and every answer is kept.
 
-Every step has an Idempotency-Key. Now and then a robot hangs up in the middle of a request, and now
-and then it asks for an old answer again. `check` holds what they were told against what is stored.
+Founders do the same with new sessions. Every request has an Idempotency-Key. Now and then a robot
+hangs up in the middle of a request, and now and then it asks for an old answer again. `check` holds
+what they were told against what is stored.
 """
 
 from __future__ import annotations
@@ -12,14 +13,14 @@ import random
 import time
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass, field
-from typing import Any
+from typing import Any, ClassVar
 
 import httpx2
 
 from tests.servers import Json, Server
 from tests.service.twin import Twin, paper_steps, paper_world, untimed
 
-SESSIONS, ROBOTS = 8, 16
+SESSIONS, ROBOTS, FOUNDERS = 8, 16, 2
 SESSION: Json = {"world": paper_world(), "sensor": {"beams": 36}}
 STEPS = paper_steps()
 
@@ -27,12 +28,13 @@ PAUSE, PAUSE_MAX = 0.02, 0.5  # s; doubled from try to try
 HANG_UP, HANG_UP_SECONDS = 1 / 20, 0.03  # share of requests, and how soon at most
 ASK_AGAIN = 1 / 20  # share of steps
 THINK = 0.2  # s between steps at most, where there are two servers: one must be able to start
+FOUND = 0.5  # s between new sessions at most
 STEP_SECONDS_MAX = 120.0
 
 
 @dataclass(frozen=True, slots=True)
 class Answered:
-    """A step that was answered: the body and tag of the answer, and how it was come by."""
+    """What was answered: the body and tag (or place) of the answer, and how it was come by."""
 
     body: bytes
     tag: str
@@ -47,11 +49,12 @@ class Answered:
 
 
 @dataclass(slots=True)
-class Robot:
-    """Takes steps in one session, one after the other, each by any of the servers."""
+class Stubborn:
+    """A client that sends a request until it is answered, to any of the servers."""
+
+    MARK: ClassVar = "ETag"
 
     name: str
-    session: str
     ports: list[int]
     chance: random.Random
     think: float = 0.0
@@ -62,7 +65,7 @@ class Robot:
     asked_again: int = 0
 
     async def drive(self, stop: asyncio.Event) -> None:
-        """Take steps until told to stop; the one begun is brought to its end."""
+        """Do one thing after another until told to stop; the one begun is brought to its end."""
         async with httpx2.AsyncClient(timeout=10) as client:
             while not stop.is_set():
                 self.answered.append(await self._until_answered(client, len(self.answered)))
@@ -71,11 +74,15 @@ class Robot:
                 await asyncio.sleep(self.chance.uniform(0, self.think))
 
     async def ask_again(self, client: httpx2.AsyncClient, number: int) -> None:
-        """Send an answered step once more; the answer must be the same."""
+        """Send an answered request once more; the answer must be the same."""
         self.asked_again += 1
         first, again = self.answered[number], await self._until_answered(client, number)
         assert again.replayed
         assert (again.body, again.tag) == (first.body, first.tag)
+
+    def request(self, number: int) -> tuple[str, Json]:
+        """Return the path and the body of a request."""
+        raise NotImplementedError
 
     async def _until_answered(self, client: httpx2.AsyncClient, number: int) -> Answered:
         give_up, pause, hung_up = time.monotonic() + STEP_SECONDS_MAX, PAUSE, False
@@ -93,20 +100,20 @@ class Robot:
             else:
                 if answer.status_code == 201:
                     replayed = answer.headers.get("Idempotency-Replayed") == "true"
-                    return Answered(answer.content, answer.headers["ETag"], replayed, hung_up)
+                    return Answered(answer.content, answer.headers[self.MARK], replayed, hung_up)
                 assert answer.status_code == 503, (answer.status_code, answer.text)
                 assert answer.headers["Content-Type"] == "application/problem+json"
                 assert answer.headers["Retry-After"] == "1"
                 self.refused += 1
             await asyncio.sleep(pause * self.chance.uniform(0.5, 1.5))
             pause = min(2 * pause, PAUSE_MAX)
-        raise AssertionError(f"step {number} of {self.name} was not answered")
+        raise AssertionError(f"request {number} of {self.name} was not answered")
 
     async def _post(self, client: httpx2.AsyncClient, number: int) -> httpx2.Response:
-        port = self.chance.choice(self.ports)
+        path, document = self.request(number)
         return await client.post(
-            f"http://127.0.0.1:{port}{self.session}/step",
-            json=STEPS[number % len(STEPS)],
+            f"http://127.0.0.1:{self.chance.choice(self.ports)}{path}",
+            json=document,
             headers={"Idempotency-Key": f"{self.name}-{number}"},
         )
 
@@ -117,14 +124,58 @@ class Robot:
         return None
 
 
+@dataclass(slots=True)
+class Robot(Stubborn):
+    """Takes steps in one session, one after the other."""
+
+    session: str = field(kw_only=True)
+
+    def request(self, number: int) -> tuple[str, Json]:
+        """Return where a step is taken, and the step."""
+        return f"{self.session}/step", STEPS[number % len(STEPS)]
+
+
+@dataclass(slots=True)
+class Founder(Stubborn):
+    """Begins sessions, one after the other."""
+
+    MARK: ClassVar = "Location"
+
+    def request(self, number: int) -> tuple[str, Json]:
+        """Return where sessions are begun, and one with a name of its own."""
+        return "/sessions", {"name": f"{self.name}-{number}"}
+
+
 def make_robots(servers: Sequence[Server], seed: int) -> list[Robot]:
     """Begin sessions, and put the robots into them, two in each."""
     sessions = [servers[0].create(**SESSION) for _ in range(SESSIONS)]
     ports, think = [server.port for server in servers], THINK if len(servers) > 1 else 0.0
     return [
-        Robot(f"robot-{n}", sessions[n % SESSIONS], ports, random.Random(seed + n), think)
+        Robot(f"robot-{n}", ports, random.Random(seed + n), think, session=sessions[n % SESSIONS])
         for n in range(ROBOTS)
     ]
+
+
+def make_founders(servers: Sequence[Server], seed: int) -> list[Founder]:
+    """Return those who begin further sessions, now and then."""
+    ports = [server.port for server in servers]
+    return [
+        Founder(f"founder-{n}", ports, random.Random(-seed - n), FOUND) for n in range(FOUNDERS)
+    ]
+
+
+def check_founders(servers: Sequence[Server], founders: Sequence[Founder]) -> None:
+    """Check that each session that was answered is there, once, and that no other is."""
+    asyncio.run(_ask_all_again(founders))
+    told = {
+        f"{founder.name}-{number}": json.loads(one.body)["id"]
+        for founder in founders
+        for number, one in enumerate(founder.answered)
+    }
+    for server in servers:
+        listed = [one for one in read_sessions(server) if one["name"].startswith("founder-")]
+        assert {one["name"]: one["id"] for one in listed} == told
+        assert len(listed) == len(told), "a session was begun twice"
 
 
 def check(servers: Sequence[Server], robots: Sequence[Robot]) -> None:
@@ -135,11 +186,11 @@ def check(servers: Sequence[Server], robots: Sequence[Robot]) -> None:
         check_session(servers, session, mine)
 
 
-async def _ask_all_again(robots: Sequence[Robot]) -> None:
-    async with httpx2.AsyncClient(timeout=60) as client:
-        for robot in robots:
-            for number in range(max(0, len(robot.answered) - 3), len(robot.answered)):
-                await robot.ask_again(client, number)
+async def _ask_all_again(clients: Sequence[Stubborn]) -> None:
+    async with httpx2.AsyncClient(timeout=60) as http:
+        for client in clients:
+            for number in range(max(0, len(client.answered) - 3), len(client.answered)):
+                await client.ask_again(http, number)
 
 
 def check_session(servers: Sequence[Server], session: str, robots: Iterable[Robot]) -> None:
@@ -180,3 +231,14 @@ def read_log(server: Server, session: str) -> list[dict[str, Any]]:
         log += page["steps"]
         after = page["next"]
     return log
+
+
+def read_sessions(server: Server) -> list[dict[str, Any]]:
+    """Return all sessions, page by page."""
+    sessions: list[dict[str, Any]] = []
+    following: dict[str, Any] = {"limit": 1000}
+    while following:
+        page = json.loads(server.get("/sessions", **following))
+        sessions += page["sessions"]
+        following = {"limit": 1000, "cursor": page["next"]} if page["next"] else {}
+    return sessions
