@@ -30,7 +30,7 @@ from typing import TypeAlias
 import shapely
 from shapely import LineString, Polygon
 
-from semtopo.errors import NotConnectedError, OutsideError, TooNarrowError
+from semtopo.errors.ways import NotConnectedError, OutsideError, TooNarrowError
 from semtopo.freespace import FreeSpace
 from semtopo.geometry import Region
 from semtopo.types import Point

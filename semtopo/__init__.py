@@ -47,7 +47,7 @@ Readings of the paper, where it is silent or misprinted; each is cited at its li
 from semtopo.answers import Answer, History, answer, answer_question, understand
 from semtopo.atlas import Atlas, LabelRef, Limits, Restriction, ZoneNotes, ZoneRef
 from semtopo.borders import BorderPiece, border_pieces
-from semtopo.codec import graph_body, read_map, zones_body
+from semtopo.codec import graph_body, zones_body
 from semtopo.documents import (
     MappingDocument,
     PoseDocument,
@@ -70,18 +70,20 @@ from semtopo.errors import (
     InvalidScanError,
     InvalidSensorError,
     InvalidWorldError,
-    MissingPassage,
-    NearestFrontier,
-    NoRouteError,
-    NotConnectedError,
     NotExportableError,
-    OutsideError,
     SemtopoError,
-    TooNarrowError,
     UnknownBorderError,
     UnknownPositionError,
     UnknownStepError,
     UnknownZoneError,
+)
+from semtopo.errors.ways import (
+    MissingPassage,
+    NearestFrontier,
+    NoRouteError,
+    NotConnectedError,
+    OutsideError,
+    TooNarrowError,
     UnprovedPathError,
 )
 from semtopo.freespace import FreeSpace, Path
@@ -98,6 +100,7 @@ from semtopo.mapper import MapState, Stage, Step, explore, run, scan_world, step
 from semtopo.metric import MappedZone, MetricMap
 from semtopo.names import closest_names, resolve, resolve_class, resolve_one
 from semtopo.phrases import phrase
+from semtopo.readback import read_map
 from semtopo.reading import parse
 from semtopo.route import CostModel, Place, Route, RouteRequest, find_routes, widest_place
 from semtopo.runs import LabelledRuns, from_runs

@@ -10,18 +10,15 @@ from collections.abc import Collection, Iterable, Mapping
 from dataclasses import asdict, fields, is_dataclass
 from typing import Any, TypeAlias
 
-import numpy as np
 import orjson
 import shapely
 from shapely import Polygon
 
 from semtopo.answers import Answer
 from semtopo.atlas import Limits, ZoneNotes
-from semtopo.errors import InvalidMapError
 from semtopo.geometry import Box, Region
 from semtopo.graph import (
     Event,
-    Node,
     NodeFound,
     NodeMerged,
     Passage,
@@ -30,9 +27,8 @@ from semtopo.graph import (
     TopologyGraph,
 )
 from semtopo.mapper import MapState, Step
-from semtopo.metric import MappedZone, MetricMap
+from semtopo.metric import MappedZone
 from semtopo.route import Route
-from semtopo.zones import Border
 
 Document: TypeAlias = dict[str, Any]
 """What orjson can write: a JSON object, numpy arrays among it."""
@@ -185,22 +181,6 @@ def _document(value: Any) -> Any:  # noqa: ANN401 -- any part of an answer
             return value
 
 
-def read_map(zones: bytes, graph: bytes) -> MapState:
-    """Read a map back from its two bodies.
-
-    Border points are no part of the bodies: those of the result are empty.
-
-    Raises
-    ------
-    InvalidMapError
-        The bodies are none that this module wrote.
-    """
-    try:
-        return _map_from(orjson.loads(zones), orjson.loads(graph))
-    except (LookupError, TypeError, ValueError, shapely.errors.ShapelyError) as error:
-        raise InvalidMapError("these are not the zones and the graph of a map") from error
-
-
 def zone_feature(zone: MappedZone) -> Document:
     """Return one zone as a GeoJSON feature."""
     region: Region = shapely.orient_polygons(zone.region)  # as it is read back: area is a sum
@@ -227,36 +207,3 @@ def region_document(region: Region) -> Document:
 
 def _rings(polygon: Polygon) -> list[Any]:
     return [shapely.get_coordinates(ring) for ring in (polygon.exterior, *polygon.interiors)]
-
-
-def _map_from(zones: Mapping[str, Any], graph: Mapping[str, Any]) -> MapState:
-    """Return the map of two parsed bodies."""
-    mapped = {feature["id"]: _zone_from(feature) for feature in zones["features"]}
-    nodes = {node["id"]: _node_from(node, mapped) for node in graph["nodes"]}
-    edges = [
-        Passage(
-            edge["source"], edge["target"], (edge["point"][0], edge["point"][1]), edge["seq"],
-            edge.get("n", 0),
-        )
-        for edge in graph["edges"]
-    ]  # fmt: skip
-    passages = {edge.key: edge for edge in edges}
-    ends = {end for edge in edges for end in (edge.source, edge.target)}
-    if ends - set(nodes) or set(mapped) != set(nodes):
-        raise InvalidMapError("zones and graph do not belong together")
-    return MapState(graph["seq"], MetricMap(mapped), TopologyGraph(nodes, passages))
-
-
-def _node_from(node: Mapping[str, Any], mapped: Mapping[str, MappedZone]) -> Node:
-    return Node(node["id"], node["label"], mapped[node["id"]].since)
-
-
-def _zone_from(feature: Mapping[str, Any]) -> MappedZone:
-    region = shapely.from_geojson(orjson.dumps(feature["geometry"]))
-    if not isinstance(region, Region):
-        raise InvalidMapError("a zone is no polygon")
-    about = feature["properties"]
-    no_border = Border(np.empty((0, 2)), np.empty(0, dtype=np.uint8))
-    return MappedZone(
-        feature["id"], about["label"], region, no_border, since=about["since"], seq=about["seq"]
-    )

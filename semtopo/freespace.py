@@ -15,7 +15,7 @@ import shapely
 from shapely import LineString, STRtree
 
 from semtopo.bottleneck import find_bottleneck
-from semtopo.errors import NotConnectedError, OutsideError, TooNarrowError, UnprovedPathError
+from semtopo.errors.ways import NotConnectedError, OutsideError, TooNarrowError, UnprovedPathError
 from semtopo.geometry import Region, nearest_point, widest_place
 from semtopo.inset import inset, sides
 from semtopo.taut import shortest_polyline

@@ -14,7 +14,7 @@ import shapely
 from shapely import LineString
 
 from semtopo.borders import border_pieces
-from semtopo.errors import MissingPassage, NearestFrontier, NoRouteError
+from semtopo.errors.ways import MissingPassage, NearestFrontier, NoRouteError
 from semtopo.mapper import MapState
 from semtopo.network import Network
 from semtopo.search import Errand, Terms

@@ -17,7 +17,8 @@ import shapely
 
 from semtopo.atlas import Atlas
 from semtopo.doorways import Doorway
-from semtopo.errors import NoRouteError, OutsideError, TooNarrowError, UnknownZoneError
+from semtopo.errors import UnknownZoneError
+from semtopo.errors.ways import NoRouteError, OutsideError, TooNarrowError
 from semtopo.finder import SHARED_MAX, Finder
 from semtopo.freespace import FreeSpace, Path
 from semtopo.geometry import Region, joined, polygonal

@@ -14,13 +14,13 @@ from typing import Any
 
 import orjson
 
-from semtopo import codec
 from semtopo.answers import History
 from semtopo.atlas import Atlas
 from semtopo.errors import InvalidMapError, UnknownStepError
 from semtopo.exports.chart import Chart
 from semtopo.exports.geojson import read_borders, read_doorways
 from semtopo.mapper import MapState
+from semtopo.readback import read_map
 from service.mapping_run import BORDERS, DOORWAYS, GRAPH, STEPS, ZONES, naming
 
 
@@ -43,7 +43,7 @@ def read_folder(directory: Path) -> Folder:
         A file cannot be read.
     """
     zones, graph = (directory / ZONES).read_bytes(), (directory / GRAPH).read_bytes()
-    state = codec.read_map(zones, graph)
+    state = read_map(zones, graph)
     steps = _read_steps(directory / STEPS)
     return Folder(Atlas(_placed(state, steps)), partial(_placed_at, state, steps))
 
@@ -51,7 +51,7 @@ def read_folder(directory: Path) -> Folder:
 def read_chart(directory: Path, radius: float) -> Chart:
     """Read what can be exported from a folder, for a robot of a radius; raises as `read_folder`."""
     zones, graph = (directory / ZONES).read_bytes(), (directory / GRAPH).read_bytes()
-    state = codec.read_map(zones, graph)
+    state = read_map(zones, graph)
     with naming(directory / DOORWAYS):
         doorways = read_doorways((directory / DOORWAYS).read_bytes())
     with naming(directory / BORDERS):

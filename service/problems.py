@@ -21,16 +21,18 @@ from semtopo.errors import (
     AmbiguousZoneError,
     InvalidInputError,
     InvalidMapError,
-    NoRouteError,
-    NotConnectedError,
     NotExportableError,
-    OutsideError,
     SemtopoError,
-    TooNarrowError,
     UnknownBorderError,
     UnknownPositionError,
     UnknownStepError,
     UnknownZoneError,
+)
+from semtopo.errors.ways import (
+    NoRouteError,
+    NotConnectedError,
+    OutsideError,
+    TooNarrowError,
     UnprovedPathError,
 )
 from service.errors import (

@@ -37,14 +37,13 @@ from semtopo.borders import border_pieces
 from semtopo.codec import answer_document, to_json
 from semtopo.errors import (
     AmbiguousZoneError,
-    MissingPassage,
-    NoRouteError,
     SemtopoError,
     UnknownBorderError,
     UnknownPositionError,
     UnknownStepError,
     UnknownZoneError,
 )
+from semtopo.errors.ways import MissingPassage, NoRouteError
 from semtopo.mapper import MapState, explore
 from semtopo.questions import Question
 from semtopo.sensor import Sensor

@@ -20,7 +20,7 @@ import pytest
 import shapely
 
 from semtopo.atlas import Atlas
-from semtopo.errors import NoRouteError, TooNarrowError
+from semtopo.errors.ways import NoRouteError, TooNarrowError
 from semtopo.geometry import joined
 from semtopo.mapper import Step, run
 from semtopo.route import Place, Route, RouteRequest, find_routes

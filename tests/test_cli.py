@@ -16,9 +16,10 @@ from xml.etree import ElementTree as ET
 
 import pytest
 
-from semtopo.codec import graph_body, read_map, zones_body
+from semtopo.codec import graph_body, zones_body
 from semtopo.formats import read_path, read_world
 from semtopo.mapper import explore
+from semtopo.readback import read_map
 from semtopo.sensor import Sensor
 from service.cli import main
 

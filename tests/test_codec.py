@@ -20,7 +20,6 @@ from semtopo.codec import (
     answer_document,
     event_document,
     graph_body,
-    read_map,
     route_document,
     step_document,
     to_json,
@@ -29,6 +28,7 @@ from semtopo.codec import (
 from semtopo.errors import InvalidMapError
 from semtopo.mapper import MapState, Step, explore
 from semtopo.metric import MappedZone, MetricMap
+from semtopo.readback import read_map
 from semtopo.sensor import Sensor
 from semtopo.types import MappingOptions, Occupancy
 from semtopo.wkb import border_bytes, border_from, region_bytes, region_from

@@ -9,12 +9,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from semtopo.errors import (
-    InvalidInputError,
-    InvalidPathError,
-    InvalidScanError,
-    InvalidWorldError,
-)
+from semtopo.errors import InvalidInputError, InvalidPathError, InvalidScanError, InvalidWorldError
 from semtopo.formats import count_scans, read_path, read_recording, read_world
 from semtopo.formats.recording import LINE_BYTES_MAX
 from semtopo.types import Kind, Pose

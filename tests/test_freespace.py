@@ -13,7 +13,7 @@ import shapely
 from shapely import LineString, MultiPolygon, Polygon, box
 
 from semtopo import freespace
-from semtopo.errors import NotConnectedError, OutsideError, TooNarrowError, UnprovedPathError
+from semtopo.errors.ways import NotConnectedError, OutsideError, TooNarrowError, UnprovedPathError
 from semtopo.freespace import SNAP, FreeSpace, Path
 from semtopo.geometry import Region, polygonal
 from semtopo.inset import SLACK

@@ -9,7 +9,7 @@ import shapely
 from hypothesis import given
 
 from semtopo.atlas import Atlas, Restriction, ZoneRef
-from semtopo.errors import ZONES_TOLD_MAX, MissingPassage, NoRouteError
+from semtopo.errors.ways import ZONES_TOLD_MAX, MissingPassage, NoRouteError
 from semtopo.mapper import MapState
 from semtopo.metric import MappedZone, MetricMap
 from semtopo.route import Place, RouteRequest, find_routes

@@ -15,12 +15,8 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from semtopo.atlas import Atlas, LabelRef, Restriction, ZoneRef
-from semtopo.errors import (
-    InvalidOptionError,
-    InvalidRestrictionError,
-    NoRouteError,
-    UnknownZoneError,
-)
+from semtopo.errors import InvalidOptionError, InvalidRestrictionError, UnknownZoneError
+from semtopo.errors.ways import NoRouteError
 from semtopo.finder import SHARED_MAX
 from semtopo.graph import Passage
 from semtopo.mapper import MapState

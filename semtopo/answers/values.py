@@ -9,7 +9,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import ClassVar, TypeAlias
 
-from semtopo.errors import MissingPassage, NearestFrontier
+from semtopo.errors.ways import MissingPassage, NearestFrontier
 from semtopo.graph import Passage
 from semtopo.route import Route
 from semtopo.types import Point

@@ -16,7 +16,7 @@ from semtopo.answers.values import (
     PathAnswer,
 )
 from semtopo.atlas import Atlas
-from semtopo.errors import NearestFrontier, NoRouteError
+from semtopo.errors.ways import NearestFrontier, NoRouteError
 from semtopo.phrases import TOLD_MAX, at, capitalised, counted, listed
 from semtopo.questions import (
     ConnectionQuestion,

@@ -20,7 +20,7 @@ from shapely import LineString
 from shapely import Point as Dot
 from shapely.geometry.base import BaseGeometry
 
-from semtopo.errors import NotConnectedError, OutsideError, TooNarrowError, UnprovedPathError
+from semtopo.errors.ways import NotConnectedError, OutsideError, TooNarrowError, UnprovedPathError
 from semtopo.freespace import FreeSpace
 from semtopo.geometry import Region, count_vertices, polygonal, widest_place
 from semtopo.graph import Passage

@@ -6,7 +6,7 @@ from typing import Any, Literal
 
 from pydantic import BaseModel
 
-from semtopo.errors import MissingPassage, NearestFrontier
+from semtopo.errors.ways import MissingPassage, NearestFrontier
 from semtopo.types import Point
 
 

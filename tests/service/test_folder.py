@@ -8,7 +8,8 @@ from pathlib import Path
 import pytest
 
 from semtopo.answers import answer
-from semtopo.errors import InvalidMapError, NoRouteError, SemtopoError
+from semtopo.errors import InvalidMapError, SemtopoError
+from semtopo.errors.ways import NoRouteError
 from service.folder import read_folder
 from tests.servers import SEMTOPO
 from tests.service.twin import PAPER
