@@ -6,7 +6,7 @@ frame; polygons follow RFC 7946 (GeoJSON), but for the frame.
 
 from __future__ import annotations
 
-from collections.abc import Collection, Iterable, Mapping
+from collections.abc import Collection, Mapping
 from dataclasses import asdict, fields, is_dataclass
 from typing import Any, TypeAlias
 
@@ -46,14 +46,19 @@ def zones_body(
 
     What people call a zone is said where it was noted, and only there.
     """
-    zones: Iterable[MappedZone] = state.metric.zones.values()
-    if box is not None:
-        window = shapely.box(*box)
-        zones = [zone for zone in zones if zone.region.intersects(window)]
-    features = [zone_feature(zone) for zone in zones]
+    features = [zone_feature(zone) for zone in zones_in(state, box)]
     for feature in features if notes else ():
         feature["properties"] |= _noted(notes or {}, feature["id"])
     return to_json({"type": "FeatureCollection", "seq": state.seq, "features": features})
+
+
+def zones_in(state: MapState, box: Box | None) -> list[MappedZone]:
+    """Return the zones of a map that meet `box`, in m, in the order of finding; else all."""
+    zones = list(state.metric.zones.values())
+    if box is None:
+        return zones
+    window = shapely.box(*box)
+    return [zone for zone in zones if zone.region.intersects(window)]
 
 
 def graph_body(

@@ -7,10 +7,11 @@ from typing import Any
 
 import pytest
 import shapely
-from hypothesis import given, settings
+from hypothesis import event, given, settings
+from hypothesis import strategies as st
 from shapely.geometry import shape
 
-from semtopo.exports.geojson import borders_body
+from semtopo.exports.geojson import borders_body, doorways_body
 from semtopo.mapper import MapState, explore
 from semtopo.metric import MetricMap
 from tests.strategies import Scene, scenes
@@ -41,6 +42,24 @@ def test_the_lines_of_a_zone_are_its_border(scene: Scene) -> None:
         assert sum(line.length for line in mine) == pytest.approx(zone.region.length)
     assert {it["properties"]["zone_id"] for it in lines} == set(zones)
     assert {it["properties"]["occupancy"] for it in lines} <= {"obstacle", "passage", "free"}
+
+
+@settings(max_examples=30)
+@given(scene=scenes(), corners=st.tuples(*[st.floats(-2, 14) for _ in range(4)]))
+def test_in_a_box_is_what_meets_it(scene: Scene, corners: tuple[float, ...]) -> None:
+    *_, last = explore(scene.world, scene.sensor, scene.walk)
+    (left, right), (low, high) = sorted(corners[:2]), sorted(corners[2:])
+    box = (left, low, right, high)
+    zones, doorways = last.state.metric.zones, last.state.metric.doorways
+    near = {zone_id for zone_id, zone in zones.items() if shapely.box(*box).intersects(zone.region)}
+    event(f"all of {len(zones)}" if near == set(zones) else f"{len(near)} of {len(zones)}")
+    everything = features(borders_body(last.state))
+    chosen = [it for it in everything if it["properties"]["zone_id"] in near]
+    assert features(borders_body(last.state, box)) == chosen
+    everything = features(doorways_body(last.state))
+    assert len(everything) == len(doorways)
+    chosen = [it for it in everything if shape(it["geometry"]).intersects(shapely.box(*box))]
+    assert features(doorways_body(last.state, box)) == chosen
 
 
 def test_a_border_without_claims_is_a_closed_frontier() -> None:

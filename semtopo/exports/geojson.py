@@ -8,26 +8,33 @@ import orjson
 import shapely
 
 from semtopo.borders import BorderPiece, border_pieces
-from semtopo.codec import Document, region_document, to_json, zone_feature
+from semtopo.codec import Document, region_document, to_json, zone_feature, zones_in
 from semtopo.doorways import Doorway, Doorways
 from semtopo.errors import InvalidMapError
 from semtopo.exports.chart import Chart
-from semtopo.geometry import Region, polygonal
+from semtopo.geometry import Box, Region, polygonal
 from semtopo.graph import Passage
 from semtopo.mapper import MapState
 
 
-def borders_body(state: MapState) -> bytes:
+def borders_body(state: MapState, box: Box | None = None) -> bytes:
     """Return the borders of all zones, piece by piece: walls, passages and frontiers.
 
-    A frontier is a piece with occupancy `free`.
+    A frontier is a piece with occupancy `free`. With `box`, in m: of the zones that meet it.
     """
-    return _collection(state, border_features(state))
+    return _collection(state, border_features(state, box))
 
 
-def doorways_body(state: MapState) -> bytes:
-    """Return the doorways of a map: the free ground between two zones, which belongs to neither."""
-    return _collection(state, map(_doorway, state.metric.doorways.values()))
+def doorways_body(state: MapState, box: Box | None = None) -> bytes:
+    """Return the doorways of a map: the free ground between two zones, which belongs to neither.
+
+    With `box`, in m: those that meet it.
+    """
+    found: Iterable[Doorway] = state.metric.doorways.values()
+    if box is not None:
+        window = shapely.box(*box)
+        found = [doorway for doorway in found if doorway.region.intersects(window)]
+    return _collection(state, map(_doorway, found))
 
 
 def _doorway(doorway: Doorway) -> Document:
@@ -110,11 +117,11 @@ def geojson_body(chart: Chart) -> bytes:
     return _collection(state, features)
 
 
-def border_features(state: MapState) -> list[Document]:
-    """Return the borders of all zones, piece by piece."""
+def border_features(state: MapState, box: Box | None = None) -> list[Document]:
+    """Return the borders of all zones, or of those that meet `box`, piece by piece."""
     return [
-        _border(zone_id, piece)
-        for zone_id, zone in state.metric.zones.items()
+        _border(zone.zone_id, piece)
+        for zone in zones_in(state, box)
         for piece in border_pieces(zone)
     ]
 

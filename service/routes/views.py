@@ -8,7 +8,14 @@ from fastapi import APIRouter, Request, Response
 
 from semtopo.exports.geojson import borders_body, doorways_body
 from service.arguments import DirectRoute
-from service.parameters import AtStep, IfNoneMatch, SessionId, maps_of
+from service.parameters import (
+    AtStep,
+    BoundingBox,
+    IfNoneMatch,
+    SessionId,
+    bounding_box,
+    maps_of,
+)
 from service.replies import GeoJsonBytes, unless_known
 from service.schemas.maps import BordersAnswer, DoorwaysAnswer
 from service.schemas.problems import problems
@@ -30,11 +37,16 @@ UNCHANGED: dict[int | str, dict[str, Any]] = {304: {"description": "unchanged"}}
     responses=UNCHANGED,
 )
 async def read_borders(
-    request: Request, session_id: SessionId, if_none_match: IfNoneMatch = None, at: AtStep = None
+    request: Request,
+    session_id: SessionId,
+    if_none_match: IfNoneMatch = None,
+    box: BoundingBox = None,
+    at: AtStep = None,
 ) -> Response:
     """Read the borders of all zones as GeoJSON lines: walls, passages and frontiers (`free`)."""
+    chosen = bounding_box(box)
     body = await maps_of(request).view(
-        session_id, at, "borders", lambda atlas: borders_body(atlas.state)
+        session_id, at, f"borders {chosen}", lambda atlas: borders_body(atlas.state, chosen)
     )
     return unless_known(GeoJsonBytes, body, if_none_match)
 
@@ -46,10 +58,15 @@ async def read_borders(
     responses=UNCHANGED,
 )
 async def read_doorways(
-    request: Request, session_id: SessionId, if_none_match: IfNoneMatch = None, at: AtStep = None
+    request: Request,
+    session_id: SessionId,
+    if_none_match: IfNoneMatch = None,
+    box: BoundingBox = None,
+    at: AtStep = None,
 ) -> Response:
     """Read the doorways as GeoJSON: the free ground between two zones, which belongs to neither."""
+    chosen = bounding_box(box)
     body = await maps_of(request).view(
-        session_id, at, "doorways", lambda atlas: doorways_body(atlas.state)
+        session_id, at, f"doorways {chosen}", lambda atlas: doorways_body(atlas.state, chosen)
     )
     return unless_known(GeoJsonBytes, body, if_none_match)

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import json
 from collections.abc import Callable
 
 import pytest
@@ -9,6 +10,7 @@ import pytest
 from semtopo.exports import EXPORTS, Format
 from semtopo.exports.chart import Chart
 from semtopo.exports.geojson import border_features, borders_body, doorways_body
+from semtopo.geometry import Box
 from semtopo.mapper import MapState
 from tests.servers import Server
 from tests.service.twin import Twin, paper_steps, paper_world
@@ -57,6 +59,23 @@ def test_a_view_is_that_of_the_library(
     shown = server.get(f"{session}/{view}", **query)
     assert shown == VIEWS[view](twin.states[twin.seq if seq is None else seq])
     assert server.get(f"{session}/{view}", **query) == shown
+
+
+@pytest.mark.parametrize("seq", [66, 81])
+@pytest.mark.parametrize(("view", "body"), [("borders", borders_body), ("doorways", doorways_body)])
+def test_a_view_may_be_of_a_part(
+    server: Server,
+    session: str,
+    twin: Twin,
+    view: str,
+    body: Callable[[MapState, Box | None], bytes],
+    seq: int,
+) -> None:
+    corner = server.get(f"{session}/{view}", bbox="8,4.2,11,8", at=seq)
+    assert corner == body(twin.states[seq], (8.0, 4.2, 11.0, 8.0))
+    assert 0 < corner.count(b"Feature") < server.get(f"{session}/{view}", at=seq).count(b"Feature")
+    nowhere = json.loads(server.get(f"{session}/{view}", bbox="-9,-9,-8.5,-8", at=seq))
+    assert nowhere["features"] == []
 
 
 @every_view
