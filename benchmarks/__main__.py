@@ -1,44 +1,51 @@
 """Print every table, and write them all as JSON: `make bench`.
 
+Some alone: `make bench BENCH="worlds routes"`, or `python -m benchmarks worlds routes`.
+
 Each module has a function `tables()`, which yields titles and rows as they are measured. All peers
-of a table are measured in the same run; ratios are what counts.
+of a table are measured in the same run; ratios are what counts. Peers that are no dependency are
+looked for in the folder of `--peers`, and left out if they are not there:
+
+    pip install --target FOLDER --no-deps extremitypathfinder pyvisgraph rustworkx tqdm
 """
 
 from __future__ import annotations
 
 import argparse
 import importlib
+import sys
 from pathlib import Path
 
 import orjson
 from rich.console import Console
-from rich.table import Table
 
-MODULES = ("stages", "growth", "worlds", "reading", "dense_paths", "routes")
+from benchmarks.table import Row, show
 
-
-def show(console: Console, title: str, rows: list[dict[str, str]]) -> None:
-    """Print one table."""
-    table = Table(title=title, title_justify="left")
-    for number, name in enumerate(rows[0]):
-        table.add_column(name, justify="right" if number else "left")
-    for row in rows:
-        table.add_row(*row.values())
-    console.print(table)
+MODULES = (
+    "stages", "growth", "worlds", "routes", "dense_paths",
+    "http_steps", "durable_step", "reading", "many_sessions",
+)  # fmt: skip
+WIDTH = 180
+"""Columns of text, where the output is no terminal."""
 
 
 def main() -> None:
     """Measure what is asked for, or all."""
-    parser = argparse.ArgumentParser(description=__doc__)
-    parser.add_argument("modules", nargs="*", default=MODULES)
+    parser = argparse.ArgumentParser(
+        description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter
+    )
+    parser.add_argument("modules", nargs="*", default=MODULES, metavar="MODULE")
     parser.add_argument("--out", type=Path, default=Path("var/bench.json"))
+    parser.add_argument("--peers", type=Path)
     options = parser.parse_args()
-    console = Console()
-    found: dict[str, list[dict[str, str]]] = {}
+    if options.peers is not None:
+        sys.path.append(str(options.peers))  # last: one of them brings a package `tests`, too
+    console = Console(width=None if sys.stdout.isatty() else WIDTH)
+    found: dict[str, list[Row]] = {}
     for name in options.modules:
-        for title, rows in importlib.import_module(f"benchmarks.{name}").tables():
-            show(console, title, rows)
-            found[title] = rows
+        for table in importlib.import_module(f"benchmarks.{name}").tables():
+            show(console, table)
+            found[table[0]] = table[1]
             options.out.parent.mkdir(parents=True, exist_ok=True)
             options.out.write_bytes(orjson.dumps(found, option=orjson.OPT_INDENT_2))
 

@@ -1,40 +1,37 @@
 """Time dense paths beside two peers, and count the random queries whose path is proved.
 
-    python -m benchmarks.dense_paths [--peers FOLDER] [--queries N]
-
-The peers are no dependency; without them only our own times are given. They go into a folder of
-their own, as one of them brings a package `tests` that would hide ours:
-
-    pip install --target FOLDER --no-deps extremitypathfinder pyvisgraph tqdm
-
-In each round a map has changed: everything is built anew, and one query is answered. Lengths are
-compared: who is fast and wrong does not count.
+The peers are no dependency (`python -m benchmarks --help`); without them only our own times are
+given. In each round a map has changed: everything is built anew, and one query is answered.
+Lengths are compared: who is fast and wrong does not count.
 """
 
 from __future__ import annotations
 
-import argparse
 import importlib.util
 import math
 import statistics
-import sys
 import time
 from collections import Counter
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass
 from functools import partial
-from pathlib import Path
 from random import Random
 from typing import TypeAlias
 
 import shapely
 from shapely import LineString, Polygon
 
+from benchmarks.table import Table
 from semtopo.errors.ways import NotConnectedError, OutsideError, TooNarrowError
 from semtopo.freespace import FreeSpace
 from semtopo.geometry import Region
 from semtopo.types import Point
 from tests.regions import DRAWS, place
+
+QUERIES = 10_000
+COMPARED = (100, 500)
+GROWING = (100, 500, 2000)
+"""Vertices of regions: beside peers, and alone."""
 
 SIZE = 10.0
 """m; the side of the square that all is in."""
@@ -42,8 +39,6 @@ SIZE = 10.0
 START, GOAL = (0.05, 0.05), (SIZE - 0.05, SIZE - 0.05)
 
 Ring: TypeAlias = list[Point]
-Table: TypeAlias = tuple[str, list[dict[str, str]]]
-"""A title, and rows: column name to cell."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -147,7 +142,7 @@ def _again(space: FreeSpace, _world: Field) -> float:
 def growth_table() -> Table:
     """Time the first query after a change, and a later one, as regions grow."""
     rows = []
-    for vertices, radius in [(n, r) for n in (100, 500, 2000) for r in (0.0, 0.02)]:
+    for vertices, radius in [(n, r) for n in GROWING for r in (0.0, 0.02)]:
         world = field(vertices)
         first, _ = timed(partial(ours, radius=radius), world, 1)
         space = FreeSpace(world.region, radius)
@@ -160,12 +155,12 @@ def growth_table() -> Table:
     return ("time as regions grow, corner to corner", rows)
 
 
-def proof_table(queries: int) -> Table:
+def proof_table() -> Table:
     """Ask random queries in hard regions, and check each path anew, outside of the library."""
     rows = []
     for draw in DRAWS:
         counts: Counter[str] = Counter()
-        share = math.ceil(queries / len(DRAWS))
+        share = math.ceil(QUERIES / len(DRAWS))
         for result in _walks(draw, share):
             counts[result] += 1
         rows.append({
@@ -198,28 +193,9 @@ def _walk(space: FreeSpace, start: Point, goal: Point) -> str:
     return "path" if clear and space.region.covers(line) else "outside"
 
 
-def tables(queries: int = 10_000) -> Iterator[Table]:
+def tables() -> Iterator[Table]:
     """Yield each table as soon as it is there."""
-    for vertices in (100, 500):
+    for vertices in COMPARED:
         yield peers_table(vertices)
     yield growth_table()
-    yield proof_table(queries)
-
-
-def main() -> None:
-    """Print the tables."""
-    parser = argparse.ArgumentParser()
-    parser.add_argument("--peers", type=Path)
-    parser.add_argument("--queries", type=int, default=10_000)
-    options = parser.parse_args()
-    if options.peers:
-        sys.path.append(str(options.peers))
-    for title, rows in tables(options.queries):
-        print(f"\n{title}")
-        print(" | ".join(rows[0]))
-        for row in rows:
-            print(" | ".join(row.values()))
-
-
-if __name__ == "__main__":
-    main()
+    yield proof_table()

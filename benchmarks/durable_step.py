@@ -2,7 +2,8 @@
 
 What the map itself computes (`timings_ms` of each answer) is taken off: what remains is HTTP,
 validation, order, the log and the commit. All servers are loaded in turn, several rounds, in one
-run; the ratios are what counts. Run it as `python -m benchmarks.durable_step`.
+run; the ratios are what counts. Run it alone as `python -m benchmarks
+durable_step`.
 """
 
 from __future__ import annotations
@@ -21,10 +22,12 @@ from contextlib import contextmanager
 import orjson
 
 from benchmarks.load import HOST, Load, exchange, request_bytes, run
+from benchmarks.table import Row, Table
 
 ROUNDS = 7
 COUNT = {1: 1_000, 16: 3_000}
 SESSIONS = 16
+NAMES = {"semtopo": "semtopo", "thread": "bare, on a thread", "loop": "bare, on the event loop"}
 
 BARE = """
 import gc, uvicorn
@@ -104,26 +107,30 @@ def measure() -> dict[tuple[str, int], list[Load]]:
     return found
 
 
-def main() -> None:
-    """Measure, and print the table: medians over the rounds, the first left out."""
+def tables() -> Iterator[Table]:
+    """Yield medians over the rounds, the first left out."""
     found = measure()
     for clients in COUNT:
-        figures = {}
-        for name in ("semtopo", "thread", "loop"):
-            rounds = found[name, clients][1:]
-            p50, p99 = (
-                statistics.median(one.percentile(at) for one in rounds) for at in (0.5, 0.99)
-            )
-            rate = statistics.median(one.rate for one in rounds)
-            figures[name] = (p50, p99)
-            print(f"{clients:3} clients  {name:8} p50 {p50:6.2f}  p99 {p99:6.2f} ms  {rate:6.0f}/s")
-        for name in ("thread", "loop"):
-            p50, p99 = (
-                mine / bare
-                for mine, bare in zip(*(figures[n] for n in ("semtopo", name)), strict=True)
-            )
-            print(f"{clients:3} clients  semtopo / {name:6}  p50 {p50:.2f}  p99 {p99:.2f}")
+        loads = {name: found[name, clients][1:] for name in ("semtopo", "thread", "loop")}
+        yield f"A durable step over HTTP without the map, {clients} clients", _rows(loads)
 
 
-if __name__ == "__main__":
-    main()
+def _rows(loads: dict[str, list[Load]]) -> list[Row]:
+    rates = {name: statistics.median(it.rate for it in rounds) for name, rounds in loads.items()}
+    figures = {
+        (name, share): statistics.median(it.percentile(share) for it in rounds)
+        for name, rounds in loads.items()
+        for share in (0.5, 0.99)
+    }
+    return [
+        {
+            "who": NAMES[name], "a second": f"{rates[name]:.0f}",
+            **{f"p{100 * share:.0f}, ms": f"{figures[name, share]:.2f}" for share in (0.5, 0.99)},
+            **{
+                f"semtopo / this, p{100 * share:.0f}":
+                    f"{figures['semtopo', share] / figures[name, share]:.2f}"
+                for share in (0.5, 0.99)
+            },
+        }
+        for name in loads
+    ]  # fmt: skip

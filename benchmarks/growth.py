@@ -12,6 +12,7 @@ import shapely
 from PIL import Image
 
 from benchmarks.paper import wander, world
+from benchmarks.table import Table
 from semtopo import MappingOptions, MapState, Sensor, explore, zones_body
 from semtopo.geometry import count_vertices
 from semtopo.metric import MetricMap
@@ -80,7 +81,7 @@ def differing(one: MapState, other: MapState, tolerance: float) -> float:
     return max(shares)
 
 
-def tables() -> Iterator[tuple[str, list[dict[str, str]]]]:
+def tables() -> Iterator[Table]:
     """Yield the cost of steps early and late, and what the map holds then."""
     runs = {tolerance: run(tolerance) for tolerance in TOLERANCES}
     rows = []

@@ -49,28 +49,33 @@ async def exchange(
 
 
 async def _client(
-    port: int,
+    port: int | Callable[[int], int],
     requests: Callable[[int], bytes],
     numbers: range,
     expected: int,
     taken_off: Callable[[bytes], float] | None,
 ) -> list[float]:
-    reader, writer = await asyncio.open_connection(HOST, port)
+    streams: dict[int, tuple[asyncio.StreamReader, asyncio.StreamWriter]] = {}
     times = []
     for number in numbers:
         request = requests(number)
+        to = port(number) if callable(port) else port
+        if to not in streams:
+            streams[to] = await asyncio.open_connection(HOST, to)
+        reader, writer = streams[to]
         begun = time.perf_counter()
         status, body = await exchange(reader, writer, request)
         took = 1000 * (time.perf_counter() - begun)
         times.append(took - taken_off(body) if taken_off else took)
         if status != expected:
             raise RuntimeError(f"unexpected answer {status}: {body[:200]!r}")
-    writer.close()
+    for _, writer in streams.values():
+        writer.close()
     return times
 
 
 def run(
-    port: int,
+    port: int | Callable[[int], int],
     requests: Callable[[int], bytes],
     *,
     clients: int,
@@ -80,6 +85,7 @@ def run(
 ) -> Load:
     """Send `count` requests from several clients at once, each one after the other.
 
+    Where there are several servers, `port` says from the number of a request which one gets it.
     `taken_off` says, from the body of an answer, how many ms are not to be counted.
     """
 

@@ -1,9 +1,8 @@
-"""Steps and reads over HTTP: sessions side by side, and bodies beside a bare endpoint."""
+"""Reads over HTTP: zones and graph beside a bare endpoint that returns the same bytes."""
 
 from __future__ import annotations
 
 import asyncio
-import statistics
 import tempfile
 from collections.abc import Iterator
 from http.client import HTTPConnection
@@ -13,12 +12,11 @@ import orjson
 
 from benchmarks.durable_step import SEMTOPO, server
 from benchmarks.load import HOST, Load, exchange, request_bytes, run
-from benchmarks.paper import EXAMPLE, path
+from benchmarks.table import Row, Table
 from benchmarks.worlds import PITCH, ROOM, floor
 
 READS = 2_000
 ROUNDS = 3
-STEPS = 81
 ROOMS = 100
 
 BARE = """
@@ -66,31 +64,6 @@ def hundred_zones(port: int) -> str:
     return session
 
 
-def steps_row(port: int, sessions: int) -> dict[str, str]:
-    """Return what steps cost with so many sessions at once."""
-    world = (EXAMPLE / "world.json").read_bytes()
-    targets = [new_session(port, b'{"world": ' + world + b"}") for _ in range(sessions)]
-    bodies = [orjson.dumps({"pose": {"x": x, "y": y}}) for x, y in path()]
-    ours: list[float] = []
-
-    def request(number: int) -> bytes:
-        turn, session = divmod(number, sessions)
-        return request_bytes("POST", f"{targets[session]}/step", bodies[turn % STEPS])
-
-    def note(body: bytes) -> float:
-        ours.append(orjson.loads(body)["timings_ms"]["total"])
-        return 0.0
-
-    load = run(port, request, clients=sessions, count=STEPS * sessions, taken_off=note)
-    mean = statistics.mean(load.times)
-    return {
-        "sessions": str(sessions), "steps a second": f"{load.rate:.0f}",
-        "p50, ms": f"{load.percentile(0.5):.2f}", "p99, ms": f"{load.percentile(0.99):.2f}",
-        "the map's share": f"{statistics.mean(ours) / mean:.0%}",
-        "HTTP's, waiting's and the database's": f"{1 - statistics.mean(ours) / mean:.0%}",
-    }  # fmt: skip
-
-
 def reads(port: int, request: bytes, expected: int = 200) -> Load:
     """Return how long reads take, one after the other."""
     return run(port, lambda _: request, clients=1, count=READS, expected=expected)
@@ -105,7 +78,7 @@ def entity_tag(port: int, target: str) -> str:
     return str(tag)
 
 
-def read_rows(port: int, session: str, folder: Path) -> Iterator[dict[str, str]]:
+def read_rows(port: int, session: str, folder: Path) -> Iterator[Row]:
     """Yield what reading zones and graph costs, beside a bare endpoint with the same bytes."""
     for name in ("zones", "graph"):
         target = f"{session}/{name}"
@@ -130,12 +103,10 @@ def read_rows(port: int, session: str, folder: Path) -> Iterator[dict[str, str]]
         }  # fmt: skip
 
 
-def tables() -> Iterator[tuple[str, list[dict[str, str]]]]:
-    """Yield what steps and reads cost over HTTP."""
+def tables() -> Iterator[Table]:
+    """Yield what reads cost over HTTP."""
     with tempfile.TemporaryDirectory() as folder:
         environment = {"STEP_DATABASE": str(Path(folder) / "reads.db")}
         with server(SEMTOPO, environment) as port:
-            rows = [steps_row(port, sessions) for sessions in (1, 8)]
-            yield "Steps over HTTP, 72 beams, SQLite, one process", rows
             session = hundred_zones(port)
             yield "Reads over HTTP", list(read_rows(port, session, Path(folder)))

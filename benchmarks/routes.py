@@ -1,17 +1,14 @@
 """Time routes on a Manhattan grid beside networkx and rustworkx, on the same graph.
 
-    python -m benchmarks.routes [--side N] [--queries N]
-
 The grid has N x N square zones of 1 m, with a door somewhere in each wall; one in five leads one
 way only. The graph of all three has the passages for nodes, linked where one may follow another,
 with the way between them in m for weight. rustworkx is no dependency: without it
-(`pip install rustworkx`) its row is left out. Lengths are compared: who is fast and wrong does not
+its row is left out. Lengths are compared: who is fast and wrong does not
 count. Our own first answer is told apart, since it numbers the graph.
 """
 
 from __future__ import annotations
 
-import argparse
 import importlib
 import importlib.util
 import math
@@ -26,6 +23,7 @@ import networkx as nx
 import numpy as np
 import shapely
 
+from benchmarks.table import Row, Table
 from semtopo.atlas import Atlas
 from semtopo.graph import Node, Passage, TopologyGraph
 from semtopo.mapper import MapState
@@ -34,9 +32,8 @@ from semtopo.route import Place, RouteRequest, find_routes
 from semtopo.types import Point
 from semtopo.zones import Border
 
-Table: TypeAlias = tuple[str, list[dict[str, str]]]
-"""A title, and rows: column name to cell."""
-
+SIDE = 100  # zones
+QUERIES = 40
 TWO_WAY = 0.8  # of the doors
 
 Turns: TypeAlias = list[tuple[int, int, float]]
@@ -167,13 +164,13 @@ def timed(answer: Answer, asked: list[Asked]) -> tuple[list[float], list[float]]
     return list(lengths), list(times)
 
 
-def tables(side: int = 100, queries: int = 40) -> Iterator[Table]:
+def tables() -> Iterator[Table]:
     """Yield the table of a grid."""
-    random = Random(side)
-    grid = make_grid(side, random)
+    random = Random(SIDE)
+    grid = make_grid(SIDE, random)
     zones = list(grid.atlas.state.metric.zones)
     asked = []
-    for _ in range(queries):
+    for _ in range(QUERIES):
         start, goal = random.sample(zones, 2)
         asked.append((Place(start, _middle(grid, start)), Place(goal, _middle(grid, goal))))
     first = ours(grid)
@@ -194,11 +191,11 @@ def tables(side: int = 100, queries: int = 40) -> Iterator[Table]:
         if not np.allclose(theirs, lengths):
             raise SystemExit(f"{name} finds other lengths")
         rows.append(row(name, statistics.median(their_times), mine))
-    title = f"routes on {len(zones)} zones, {len(grid.passages)} passages: {queries} pairs"
+    title = f"routes on {len(zones)} zones, {len(grid.passages)} passages: {QUERIES} pairs"
     yield title, rows
 
 
-def row(name: str, seconds: float, mine: float) -> dict[str, str]:
+def row(name: str, seconds: float, mine: float) -> Row:
     """Return a row of the table."""
     return {"who": name, "median ms": f"{seconds * 1e3:.2f}", "times ours": f"{seconds / mine:.1f}"}
 
@@ -206,19 +203,3 @@ def row(name: str, seconds: float, mine: float) -> dict[str, str]:
 def _middle(grid: Grid, zone_id: str) -> Point:
     x, y = grid.atlas.state.metric.zones[zone_id].region.centroid.coords[0]
     return (x, y)
-
-
-def main() -> None:
-    """Print the table."""
-    parser = argparse.ArgumentParser()
-    parser.add_argument("--side", type=int, default=100)
-    parser.add_argument("--queries", type=int, default=40)
-    options = parser.parse_args()
-    for title, rows in tables(options.side, options.queries):
-        print(title)
-        for cells in rows:
-            print(f"  {cells['who']:36} {cells['median ms']:>9} ms {cells['times ours']:>7}")
-
-
-if __name__ == "__main__":
-    main()

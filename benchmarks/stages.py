@@ -19,6 +19,7 @@ import numpy as np
 import shapely
 
 from benchmarks.paper import path, world
+from benchmarks.table import Row, Table
 from semtopo import MappingOptions, MapState, Sensor, Stage, extract, scan_world, step
 from semtopo.types import Sensing
 
@@ -135,7 +136,7 @@ def union_ms(beams: int, tolerance: float) -> float:
     return statistics.mean(times)
 
 
-def tables() -> Iterator[tuple[str, list[dict[str, str]]]]:
+def tables() -> Iterator[Table]:
     """Yield Table 1, with samples and exact, and the distance from the floor."""
     means: dict[tuple[int, Sensing], float] = {}
     for sensing in Sensing:
@@ -158,7 +159,7 @@ def tables() -> Iterator[tuple[str, list[dict[str, str]]]]:
     yield "The floor; ms a step", rows
 
 
-def _stage_rows(runs: dict[str, list[float]]) -> list[dict[str, str]]:
+def _stage_rows(runs: dict[str, list[float]]) -> list[Row]:
     paper = {**{stage.value: figures for stage, figures in PAPER.items()}, "total": PAPER_TOTAL}
     return [
         {

@@ -8,6 +8,7 @@ from collections.abc import Iterator
 
 import numpy as np
 
+from benchmarks.table import Table
 from semtopo import Kind, MappingOptions, MapState, Sensor, World, WorldZone, scan_world, step
 from semtopo.types import Point, Sensing
 
@@ -56,7 +57,7 @@ def timed(world: World, sensing: Sensing) -> tuple[float, float]:
     return total * 1000 / STEPS, sensed * 1000 / STEPS
 
 
-def tables() -> Iterator[tuple[str, list[dict[str, str]]]]:
+def tables() -> Iterator[Table]:
     """Yield what worlds of 10 to 100,000 zones cost, to make and to walk in."""
     rows, first = [], 0.0
     for zones in SIZES:

@@ -2,14 +2,58 @@
 
 from __future__ import annotations
 
+import importlib
 import shutil
+import sys
+from pathlib import Path
 
+import orjson
 import pytest
 
+from benchmarks import __main__ as command
 from benchmarks import growth, stages, worlds
 from benchmarks.paper import path, wander
 from semtopo import MappingOptions, Sensor, explore
 from semtopo.types import Sensing
+
+SMALL: dict[str, dict[str, object]] = {
+    "stages": {"ROUNDS": 1, "BEAMS": (36,)},
+    "growth": {"STEPS": 120, "MARKS": (110, 120)},
+    "worlds": {"SIZES": (10, 100), "STEPS": 20, "ROUNDS": 1},
+    "routes": {"SIDE": 6, "QUERIES": 5},
+    "dense_paths": {"QUERIES": 400, "COMPARED": (50,), "GROWING": (50,)},
+    "http_steps": {"ROUNDS": 2, "STEPS": 5, "LAYOUTS": ((1, 2, "together"), (2, 2, "apart"))},
+    "durable_step": {"ROUNDS": 2, "COUNT": {2: 20}},
+    "reading": {"READS": 20, "ROUNDS": 1, "ROOMS": 9},
+    "many_sessions": {"SESSIONS": 5, "STEPS": 40},
+}
+"""For each module what makes it quick."""
+
+
+def test_every_module_is_measured_here() -> None:
+    files = Path(command.__file__).parent.glob("*.py")
+    measuring = {it.stem for it in files if "\ndef tables(" in it.read_text()}
+    assert measuring == set(command.MODULES) == set(SMALL)
+
+
+@pytest.mark.parametrize("name", SMALL)
+def test_tables_are_printed_and_written(
+    name: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    module = importlib.import_module(f"benchmarks.{name}")
+    for constant, value in SMALL[name].items():
+        monkeypatch.setattr(module, constant, value)
+    out = tmp_path / "new" / "bench.json"
+    monkeypatch.setattr(sys, "argv", ["benchmarks", name, "--out", str(out)])
+    command.main()
+    tables = orjson.loads(out.read_bytes())
+    printed = capsys.readouterr().out
+    assert tables
+    for title, rows in tables.items():
+        assert title in printed
+        assert rows
+        assert all(list(row) == list(rows[0]) for row in rows)
+        assert all(isinstance(cell, str) for row in rows for cell in row.values())
 
 
 def test_table_1_has_every_stage_and_its_total(monkeypatch: pytest.MonkeyPatch) -> None:
