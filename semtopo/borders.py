@@ -27,6 +27,12 @@ class BorderPiece:
     occupancy: Occupancy
     line: Floats
 
+    def reduced(self, tolerance: float) -> BorderPiece:
+        """Return it with fewer points, none of its line farther away than the tolerance in m."""
+        line = shapely.LineString(self.line)
+        line = shapely.simplify(line, tolerance, preserve_topology=line.is_closed)  # else a dot
+        return BorderPiece(self.occupancy, shapely.get_coordinates(line))
+
 
 def border_pieces(zone: MappedZone) -> tuple[BorderPiece, ...]:
     """Return the border of a zone in pieces, ring by ring; together they are all of it.
@@ -46,13 +52,7 @@ def border_pieces(zone: MappedZone) -> tuple[BorderPiece, ...]:
     )
     if zone.core is None:
         return tuple(pieces)
-    return tuple(_reduced(piece, zone.core.tolerance) for piece in pieces)
-
-
-def _reduced(piece: BorderPiece, tolerance: float) -> BorderPiece:
-    """Return a piece with fewer points, none of its line farther away than the tolerance in m."""
-    line = shapely.simplify(shapely.LineString(piece.line), tolerance, preserve_topology=False)
-    return BorderPiece(piece.occupancy, shapely.get_coordinates(line))
+    return tuple(piece.reduced(zone.core.tolerance) for piece in pieces)
 
 
 def _pieces(ring: Floats, border: Border, width: float) -> Iterator[BorderPiece]:

@@ -125,6 +125,15 @@ BoundingBox = Annotated[
         description="least x, least y, greatest x, greatest y, in m",
     ),
 ]
+Tolerance = Annotated[
+    float,
+    Query(
+        ge=0,
+        le=COORDINATE_MAX,
+        allow_inf_nan=False,
+        description="lines need be no nearer to the real ones, in m",
+    ),
+]
 AtStep = Annotated[
     int | None, Query(alias="at", ge=0, le=SEQ_MAX, description="as of this step; now if left out")
 ]

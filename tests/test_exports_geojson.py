@@ -62,6 +62,25 @@ def test_in_a_box_is_what_meets_it(scene: Scene, corners: tuple[float, ...]) -> 
     assert features(doorways_body(last.state, box)) == chosen
 
 
+@settings(max_examples=30)
+@given(scene=scenes(), tolerance=st.floats(0.01, 1e6))
+def test_lines_stay_within_the_tolerance(scene: Scene, tolerance: float) -> None:
+    *_, last = explore(scene.world, scene.sensor, scene.walk)
+    for body in (borders_body, doorways_body):
+        whole, reduced = features(body(last.state)), features(body(last.state, None, tolerance))
+        assert [it["properties"] for it in whole] == [it["properties"] for it in reduced]
+        for one, other in zip(whole, reduced, strict=True):
+            real, coarse = shape(one["geometry"]), shape(other["geometry"])
+            assert coarse.is_valid
+            assert not coarse.is_empty
+            lines = (coarse, real) if coarse.geom_type == "LineString" else (
+                coarse.boundary, real.boundary,
+            )  # fmt: skip
+            assert shapely.hausdorff_distance(*lines) <= tolerance + 1e-9
+            assert len(shapely.get_coordinates(coarse)) <= len(shapely.get_coordinates(real))
+    event("fewer" if len(body(last.state, None, tolerance)) < len(body(last.state)) else "all")
+
+
 def test_a_border_without_claims_is_a_closed_frontier() -> None:
     from tests.test_borders import SQUARE, zone  # noqa: PLC0415
 

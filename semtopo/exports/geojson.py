@@ -17,32 +17,34 @@ from semtopo.graph import Passage
 from semtopo.mapper import MapState
 
 
-def borders_body(state: MapState, box: Box | None = None) -> bytes:
+def borders_body(state: MapState, box: Box | None = None, tolerance: float = 0.0) -> bytes:
     """Return the borders of all zones, piece by piece: walls, passages and frontiers.
 
-    A frontier is a piece with occupancy `free`. With `box`, in m: of the zones that meet it.
+    A frontier is a piece with occupancy `free`. With `box`, in m: of the zones that meet it. Lines
+    have no more points than it takes to stay within `tolerance`, in m.
     """
-    return _collection(state, border_features(state, box))
+    return _collection(state, border_features(state, box, tolerance))
 
 
-def doorways_body(state: MapState, box: Box | None = None) -> bytes:
+def doorways_body(state: MapState, box: Box | None = None, tolerance: float = 0.0) -> bytes:
     """Return the doorways of a map: the free ground between two zones, which belongs to neither.
 
-    With `box`, in m: those that meet it.
+    With `box`, in m: those that meet it. Outlines are as those of `borders_body`.
     """
     found: Iterable[Doorway] = state.metric.doorways.values()
     if box is not None:
         window = shapely.box(*box)
         found = [doorway for doorway in found if doorway.region.intersects(window)]
-    return _collection(state, map(_doorway, found))
+    return _collection(state, (_doorway(doorway, tolerance) for doorway in found))
 
 
-def _doorway(doorway: Doorway) -> Document:
+def _doorway(doorway: Doorway, tolerance: float = 0.0) -> Document:
     """Return a doorway; it is named by its ends and number."""
     region: Region = shapely.orient_polygons(doorway.region)  # as it is read back: area is a sum
+    outline = shapely.simplify(region, tolerance) if tolerance else region
     return {
         "type": "Feature",
-        "geometry": region_document(region),
+        "geometry": region_document(polygonal(outline)),
         "properties": {
             "ends": doorway.ends,
             "number": doorway.number,
@@ -117,10 +119,12 @@ def geojson_body(chart: Chart) -> bytes:
     return _collection(state, features)
 
 
-def border_features(state: MapState, box: Box | None = None) -> list[Document]:
-    """Return the borders of all zones, or of those that meet `box`, piece by piece."""
+def border_features(
+    state: MapState, box: Box | None = None, tolerance: float = 0.0
+) -> list[Document]:
+    """Return what `borders_body` holds."""
     return [
-        _border(zone.zone_id, piece)
+        _border(zone.zone_id, piece if tolerance == 0 else piece.reduced(tolerance))
         for zone in zones_in(state, box)
         for piece in border_pieces(zone)
     ]

@@ -13,6 +13,7 @@ from service.parameters import (
     BoundingBox,
     IfNoneMatch,
     SessionId,
+    Tolerance,
     bounding_box,
     maps_of,
 )
@@ -42,12 +43,15 @@ async def read_borders(
     if_none_match: IfNoneMatch = None,
     box: BoundingBox = None,
     at: AtStep = None,
+    *,
+    tolerance: Tolerance = 0.0,
 ) -> Response:
     """Read the borders of all zones as GeoJSON lines: walls, passages and frontiers (`free`)."""
     chosen = bounding_box(box)
     body = await maps_of(request).view(
-        session_id, at, f"borders {chosen}", lambda atlas: borders_body(atlas.state, chosen)
-    )
+        session_id, at, f"borders {chosen} {tolerance}",
+        lambda atlas: borders_body(atlas.state, chosen, tolerance),
+    )  # fmt: skip
     return unless_known(GeoJsonBytes, body, if_none_match)
 
 
@@ -63,10 +67,13 @@ async def read_doorways(
     if_none_match: IfNoneMatch = None,
     box: BoundingBox = None,
     at: AtStep = None,
+    *,
+    tolerance: Tolerance = 0.0,
 ) -> Response:
     """Read the doorways as GeoJSON: the free ground between two zones, which belongs to neither."""
     chosen = bounding_box(box)
     body = await maps_of(request).view(
-        session_id, at, f"doorways {chosen}", lambda atlas: doorways_body(atlas.state, chosen)
-    )
+        session_id, at, f"doorways {chosen} {tolerance}",
+        lambda atlas: doorways_body(atlas.state, chosen, tolerance),
+    )  # fmt: skip
     return unless_known(GeoJsonBytes, body, if_none_match)

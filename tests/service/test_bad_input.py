@@ -315,6 +315,8 @@ QUERIES = [
     case("route to no UTF-8", "/route?from=A&to=%ED%A0%80%FF", 404, "unknown_zone"),
     *(case(f"graph at {it}", f"/graph?at={it}", 422, "invalid_request")
       for it in ("-1", "2147483648", "9" * 30, "1.5", "1e1", "x", "", "NaN", "0x1")),
+    *(case(f"tolerance {it}", f"/borders?tolerance={it}", 422, "invalid_request")
+      for it in ("", "-1", "nan", "inf", "1000001", "1e")),
     case("borders at no step", "/borders?at=-1", 422, "invalid_request"),
     *(case(f"{body} beyond", f"/{body}?at=2", 404, "unknown_step")
       for body in ("graph", "zones", "borders", "doorways")),

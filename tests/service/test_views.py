@@ -68,12 +68,15 @@ def test_a_view_may_be_of_a_part(
     session: str,
     twin: Twin,
     view: str,
-    body: Callable[[MapState, Box | None], bytes],
+    body: Callable[[MapState, Box | None, float], bytes],
     seq: int,
 ) -> None:
     corner = server.get(f"{session}/{view}", bbox="8,4.2,11,8", at=seq)
-    assert corner == body(twin.states[seq], (8.0, 4.2, 11.0, 8.0))
+    assert corner == body(twin.states[seq], (8.0, 4.2, 11.0, 8.0), 0.0)
     assert 0 < corner.count(b"Feature") < server.get(f"{session}/{view}", at=seq).count(b"Feature")
+    coarse = server.get(f"{session}/{view}", tolerance=0.2, at=seq)
+    assert coarse == body(twin.states[seq], None, 0.2)
+    assert len(coarse) < len(server.get(f"{session}/{view}", at=seq))
     nowhere = json.loads(server.get(f"{session}/{view}", bbox="-9,-9,-8.5,-8", at=seq))
     assert nowhere["features"] == []
 
