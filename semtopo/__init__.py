@@ -60,6 +60,7 @@ from semtopo.doorways import Doorway, Doorways
 from semtopo.errors import (
     AmbiguousQuestionError,
     AmbiguousZoneError,
+    CrowdedQuestionError,
     InvalidInputError,
     InvalidMapError,
     InvalidOptionError,
@@ -117,6 +118,7 @@ __all__ = [
     "Atlas",
     "BorderPiece",
     "CostModel",
+    "CrowdedQuestionError",
     "Doorway",
     "Doorways",
     "Edges",

@@ -13,12 +13,13 @@ from functools import lru_cache
 from itertools import pairwise
 
 from semtopo.atlas import Atlas
+from semtopo.errand import OPEN, Errand, Stop, Terms, Way
 from semtopo.gap import find_gap, refusal
 from semtopo.ground import ground_of
 from semtopo.journey import Place, Route, RouteRequest
 from semtopo.metric import MetricMap
 from semtopo.network import NETWORKS_KEPT, Network, network_of
-from semtopo.search import Errand, Search, Stop, Terms, Way, Ways
+from semtopo.search import Search, Ways
 from semtopo.types import Point
 
 SHARED_MAX = 0.7
@@ -29,6 +30,9 @@ DEARER = 1.5
 
 SEARCHES_MAX = 40
 """Searches for one request; a map may have no more routes that are different enough."""
+
+LOOKED_AT_MAX = 200_000
+"""After so many uses of passages were looked at, about 1 s, no further alternative is searched."""
 
 
 class Finder:
@@ -52,14 +56,16 @@ class Finder:
         """Yield the best route, then others that are different enough; raises NoRouteError."""
         gap = find_gap(self._network, self._errand, self._terms)
         if gap is not None:
-            is_free = find_gap(self._network, self._errand, Terms()) is None
+            is_free = find_gap(self._network, self._errand, OPEN) is None
             raise refusal(self._state, self._network, gap, restricted=is_free)
         used: Counter[int] = Counter()
         found: list[Route] = []
-        for _ in range(SEARCHES_MAX):
+        looked_at = searches = 0
+        while searches < SEARCHES_MAX and looked_at < LOOKED_AT_MAX:
             way = Search(self._network, self._ways, self._errand, self._dearer(used)).run()
             if way is None:
                 return
+            searches, looked_at = searches + 1, looked_at + way.looked_at
             route = self._route(way)
             if all(self._shared(route, other) <= SHARED_MAX for other in found):
                 found.append(route)

@@ -6,7 +6,6 @@ known of the gap. A frontier near the gap is where exploring may close it.
 
 from __future__ import annotations
 
-from collections.abc import Iterable
 from dataclasses import dataclass
 
 import numpy as np
@@ -14,10 +13,10 @@ import shapely
 from shapely import LineString
 
 from semtopo.borders import border_pieces
+from semtopo.errand import Errand, Terms
 from semtopo.errors.ways import MissingPassage, NearestFrontier, NoRouteError
 from semtopo.mapper import MapState
 from semtopo.network import Network
-from semtopo.search import Errand, Terms
 from semtopo.types import Occupancy, Point
 
 ZONES_LOOKED_AT = 64
@@ -36,11 +35,12 @@ def find_gap(network: Network, errand: Errand, terms: Terms) -> Gap | None:
     """Return the first gap on an errand, from stop to stop; None if every stop can be reached."""
     here = errand.start[0]
     is_open = not (terms.closed_zones or terms.closed_uses)
+    linked = network.centre if is_open else frozenset[int]()
     for targets in [*([zone] for zone in errand.via), [zone for zone, _ in errand.goals]]:
-        if not (is_open and _are_linked(network, here, targets)):
-            reachable = _spread(network, [here], terms)
+        if here not in linked or linked.isdisjoint(targets):
+            reachable = network.spread([here], terms)
             if reachable.isdisjoint(targets):
-                return Gap(reachable, _spread_back(network, targets, terms))
+                return Gap(reachable, network.spread_back(targets, terms))
         here = targets[0]
     return None
 
@@ -57,37 +57,6 @@ def refusal(state: MapState, network: Network, gap: Gap, *, restricted: bool) ->
         frontier=_frontier(state, network, gap),
         restricted=restricted,
     )
-
-
-def _are_linked(network: Network, zone: int, targets: Iterable[int]) -> bool:
-    """Say whether a zone and one of the targets can reach each other where nothing is closed."""
-    return any(network.components[zone] == network.components[target] for target in targets)
-
-
-def _spread(network: Network, zones: Iterable[int], terms: Terms) -> frozenset[int]:
-    """Return the zones that can be reached from some, with these."""
-    found, waiting = set(zones), list(zones)
-    while waiting:
-        for number in network.leaving[waiting.pop()]:
-            zone = network.uses[number].target
-            is_closed = number in terms.closed_uses or zone in terms.closed_zones
-            if not is_closed and zone not in found:
-                found.add(zone)
-                waiting.append(zone)
-    return frozenset(found)
-
-
-def _spread_back(network: Network, zones: Iterable[int], terms: Terms) -> frozenset[int]:
-    """Return the zones from which some can be reached, with these."""
-    found, waiting = set(zones), list(zones)
-    while waiting:
-        zone = waiting.pop()
-        for number in () if zone in terms.closed_zones else network.entering[zone]:
-            before = network.uses[number].source
-            if number not in terms.closed_uses and before not in found:
-                found.add(before)
-                waiting.append(before)
-    return frozenset(found)
 
 
 def _missing(network: Network, gap: Gap) -> MissingPassage | None:

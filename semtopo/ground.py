@@ -66,7 +66,8 @@ class Ground:
 
     def _measured(self, start: Point, end: Point) -> float:
         straight = math.dist(start, end)
-        if straight == 0 or self.region.covers(LineString([start, end])):
+        line = LineString([start, end])
+        if straight == 0 or self.zone.covers(line) or self.region.covers(line):
             return straight
         enter, leave = (nearest_point(self.region, point) for point in (start, end))
         try:

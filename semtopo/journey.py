@@ -14,8 +14,8 @@ from semtopo.graph import Passage, PassageKey
 from semtopo.network import CostModel
 from semtopo.types import Point
 
-STOPS_MAX = 100
-"""Of one request: goals, and zones to go through."""
+STOPS_MAX = 20
+"""Zones to go through, of one request; each is a search of its own."""
 
 ALTERNATIVES_MAX = 10
 

@@ -10,11 +10,11 @@ import math
 from collections.abc import Iterable
 from dataclasses import dataclass, field
 from functools import cached_property, lru_cache
-from typing import TypeAlias
+from typing import NamedTuple, TypeAlias
 
-import networkx as nx
 import numpy as np
 
+from semtopo.errand import OPEN, Terms
 from semtopo.errors import InvalidOptionError
 from semtopo.graph import Passage, TopologyGraph
 from semtopo.types import Floats, Point
@@ -59,8 +59,7 @@ class CostModel:
         return math.ceil(cost / UNIT) + passages
 
 
-@dataclass(frozen=True, slots=True)
-class Use:
+class Use(NamedTuple):
     """A passage, used from zone `source` into zone `target`: maybe against its direction."""
 
     passage: Passage
@@ -68,8 +67,8 @@ class Use:
     target: int
 
 
-Row: TypeAlias = list[tuple[int, int]]
-"""Uses that lead out of a zone, each with what it costs at least to go on by it."""
+Row: TypeAlias = list[tuple[int, int, int]]
+"""Uses that lead out of a zone, the zones they lead to, what it costs at least to go on by them."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -89,14 +88,11 @@ class Network:
     @cached_property
     def uses(self) -> tuple[Use, ...]:
         """Every way to use a passage, in order of finding."""
-        number = self.zones
-        along = [
-            Use(passage, number[passage.source], number[passage.target])
-            for passage in self.graph.passages.values()
-        ]
-        against = (
-            [Use(use.passage, use.target, use.source) for use in along] if self.two_way else []
-        )
+        passages = tuple(self.graph.passages.values())
+        sources = [self.zones[passage.source] for passage in passages]
+        targets = [self.zones[passage.target] for passage in passages]
+        along = map(Use, passages, sources, targets)
+        against = map(Use, passages, targets, sources) if self.two_way else ()
         return (*along, *against)
 
     @cached_property
@@ -120,16 +116,34 @@ class Network:
         return np.array([use.passage.point for use in self.uses]).reshape(-1, 2)
 
     @cached_property
-    def components(self) -> list[int]:
-        """A number for each zone; zones that can reach each other have the same."""
-        zones: nx.DiGraph[int] = nx.DiGraph()
-        zones.add_nodes_from(range(len(self.zones)))
-        zones.add_edges_from((use.source, use.target) for use in self.uses)
-        found = [0] * len(self.zones)
-        for number, component in enumerate(nx.strongly_connected_components(zones)):
-            for zone in component:
-                found[zone] = number
-        return found
+    def centre(self) -> frozenset[int]:
+        """Zones that can all reach each other: those linked so with the zone of most passages."""
+        busiest = max(range(len(self.leaving)), key=lambda zone: len(self.leaving[zone]))
+        return self.spread([busiest]) & self.spread_back([busiest])
+
+    def spread(self, zones: Iterable[int], terms: Terms = OPEN) -> frozenset[int]:
+        """Return the zones that can be reached from some, with these."""
+        found, waiting, uses = set(zones), list(zones), self.uses
+        closed_uses, closed_zones = terms.closed_uses, terms.closed_zones
+        while waiting:
+            for number in self.leaving[waiting.pop()]:
+                zone = uses[number].target
+                if zone not in found and number not in closed_uses and zone not in closed_zones:
+                    found.add(zone)
+                    waiting.append(zone)
+        return frozenset(found)
+
+    def spread_back(self, zones: Iterable[int], terms: Terms = OPEN) -> frozenset[int]:
+        """Return the zones from which some can be reached, with these."""
+        found, waiting, uses = set(zones), list(zones), self.uses
+        while waiting:
+            zone = waiting.pop()
+            for number in () if zone in terms.closed_zones else self.entering[zone]:
+                before = uses[number].source
+                if before not in found and number not in terms.closed_uses:
+                    found.add(before)
+                    waiting.append(before)
+        return frozenset(found)
 
     def row(self, use: int) -> Row:
         """Return the uses that may follow one, each with what the way to it costs at least."""
@@ -145,7 +159,8 @@ class Network:
         """Return the uses that lead out of a zone, each with its least cost from a point in it."""
         units, uses = self.model.units, self.uses
         return [
-            (use, units(math.dist(point, uses[use].passage.point), 1)) for use in self.leaving[zone]
+            (use, uses[use].target, units(math.dist(point, uses[use].passage.point), 1))
+            for use in self.leaving[zone]
         ]
 
     def _by_zone(self, zones: Iterable[int]) -> list[list[int]]:

@@ -9,7 +9,7 @@ from __future__ import annotations
 from dataclasses import dataclass, field
 from typing import TypeAlias
 
-STOPS_MAX = 16
+STOPS_MAX = 8
 """Zones to go to or through in one question: each is a search of its own."""
 
 AVOIDED_MAX = 64

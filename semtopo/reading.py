@@ -13,7 +13,7 @@ from typing import Any, TypeAlias
 from lark import Token, Tree, UnexpectedCharacters, UnexpectedToken
 from lark.parsers.lalr_interactive_parser import InteractiveParser
 
-from semtopo.errors import InvalidQuestionError
+from semtopo.errors import CrowdedQuestionError, InvalidQuestionError
 from semtopo.expectations import A_MARK, EXAMPLES, closest_example, expectation
 from semtopo.grammar import parser
 from semtopo.questions import (
@@ -84,7 +84,9 @@ def parse(text: str) -> Question:
     Raises
     ------
     InvalidQuestionError
-        It leaves the grammar, or it asks for too much at once.
+        It leaves the grammar.
+    CrowdedQuestionError
+        It names more zones than one question may.
     """
     said = text.rstrip(FINAL_MARKS)
     states = parser().parse_interactive(said)
@@ -96,7 +98,7 @@ def parse(text: str) -> Question:
         position = _end(error, said)
         is_quotation = position < len(said) and said[position] in OPENING_MARKS
         expected = A_MARK if is_quotation else _expected(states)
-        raise _refusal(said, position, expected, begun) from None
+        raise InvalidQuestionError(*_refusal(said, position, expected, begun)) from None
     question: Question = _value(tree)
     _refuse_crowds(said, question)
     return question
@@ -113,17 +115,19 @@ def _end(error: UnexpectedToken | UnexpectedCharacters, said: str) -> int:
     return error.pos_in_stream  # type: ignore[return-value]  # lark says None, and sets it
 
 
-def _refusal(said: str, position: int, expected: str, begun: Sequence[str]) -> InvalidQuestionError:
+def _refusal(
+    said: str, position: int, expected: str, begun: Sequence[str]
+) -> tuple[str, int, str, str]:
     """Say what is missing, with an example of the question that was begun, or is most like it."""
     begin = next((terminal for terminal in begun if terminal in EXAMPLES), None)
     example = closest_example(said) if begin is None else EXAMPLES[begin]
     where = "at the end" if position >= len(said) else f"at character {position + 1}"
     message = f'Expected {expected} {where}; ask, for example, "{example}".'
-    return InvalidQuestionError(message, position, expected, example)
+    return message, position, expected, example
 
 
 def _refuse_crowds(said: str, question: Question) -> None:
-    """Raise InvalidQuestionError where a question names more zones than one may."""
+    """Raise CrowdedQuestionError where a question names more zones than one may."""
     if not isinstance(question, PathQuestion | ConnectionQuestion):
         return
     stops = [_position(stop) for leg in question.legs for stop in (leg.goal, *leg.via)]
@@ -134,7 +138,8 @@ def _refuse_crowds(said: str, question: Question) -> None:
     ):
         if len(positions) > most:
             expected = f"at most {most} zones {what}"
-            raise _refusal(said, sorted(positions)[most], expected, ["_WAY"])
+            place = sorted(positions)[most]
+            raise CrowdedQuestionError(*_refusal(said, place, expected, ["_WAY"]))
 
 
 def _position(goal: Goal) -> int:

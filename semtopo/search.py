@@ -10,15 +10,15 @@ from __future__ import annotations
 
 import heapq
 import math
-from collections import Counter
-from collections.abc import Callable, Collection, Mapping, Sequence
-from dataclasses import dataclass, field
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
 from itertools import groupby
 from typing import TypeAlias
 
 import numpy as np
 from numpy.typing import NDArray
 
+from semtopo.errand import OPEN, Errand, Terms, Way
 from semtopo.network import TURNS_MAX, UNIT, Network, Row
 from semtopo.types import Point
 
@@ -34,9 +34,6 @@ class Ways:
     turns: dict[int, int]
 
 
-Stop: TypeAlias = tuple[int, Point]
-"""A zone, by its number, and a point in it."""
-
 POINTS_AIMED_AT = 16
 """With more points than this, how far the nearest one is would take longer to tell than to find;
 how far their bounding box is, is told instead."""
@@ -47,43 +44,6 @@ ROUNDING = 1e-12
 ENTRIES = 2**17
 """So many pairs of entering and leaving are tried in one zone: all, below 360 doors. A larger hall
 is left from where it was first entered, the more doors it has the more so."""
-
-
-@dataclass(frozen=True, slots=True)
-class Terms:
-    """What is closed to a search, and the factors of what costs more or less, by number."""
-
-    closed_zones: Collection[int] = frozenset()
-    closed_uses: Collection[int] = frozenset()
-    zone_factors: Mapping[int, float] = field(default_factory=dict)
-    use_factors: Mapping[int, float] = field(default_factory=dict)
-
-    @property
-    def least_factor(self) -> float:
-        """No way costs less than this times what it costs without factors; at most 1."""
-        zones, uses = self.zone_factors.values(), self.use_factors.values()
-        return min((1.0, *zones)) * min((1.0, *uses))
-
-    def factor(self, zone: int, use: int) -> float:
-        """Return the factor of a way inside a zone to a use that leads out of it."""
-        return self.zone_factors.get(zone, 1.0) * self.use_factors.get(use, 1.0)
-
-
-@dataclass(frozen=True, slots=True)
-class Errand:
-    """From where to which goals, and which zones must be visited before, in order."""
-
-    start: Stop
-    goals: Sequence[Stop]
-    via: Sequence[int] = ()
-
-
-@dataclass(frozen=True, slots=True)
-class Way:
-    """The uses in order, and which of the goals is reached."""
-
-    uses: tuple[int, ...]
-    goal: int
 
 
 _Item: TypeAlias = tuple[int, int, int, int, int]
@@ -102,7 +62,7 @@ class Search:
         """Give the goals numbers, and leave out of `via` where one is already."""
         self._network, self._errand, self._terms = network, errand, terms
         self._legs, self._turns = ways.legs, ways.turns
-        self._apply = terms != Terms()
+        self._apply = terms != OPEN
         self._count = len(network.uses)
         self._stride = self._count + len(errand.goals)
         self._via = [zone for zone, _ in groupby((errand.start[0], *errand.via))][1:]
@@ -123,7 +83,8 @@ class Search:
             entries = self._stage(layer, len(targets))
         self._begin(len(self._via), [point for _, point in self._errand.goals], entries)
         for _, _, state, before, _ in self._stage(len(self._via), 1):
-            return Way(self._uses_until(before), state % self._stride - self._count)
+            uses = self._uses_until(before)
+            return Way(uses, state % self._stride - self._count, len(self._before))
         return None
 
     def _begin(self, layer: int, points: Sequence[Point], entries: Sequence[_Item]) -> None:
@@ -139,30 +100,33 @@ class Search:
 
     def _stage(self, layer: int, wanted: int) -> list[_Item]:
         """Return what is reached at the end of a stage, as far as it can matter, cheapest first."""
+        known, waiting, counts = self._before, self._waiting, dict[int, int]()
+        network, stride = self._network, self._stride
+        uses, leaving, row = network.uses, network.leaving, network.row
+        pop, push, true_cost = heapq.heappop, heapq.heappush, self._true_cost
         found: dict[int, _Item] = {}
-        counts: Counter[int] = Counter()
-        limit, end = math.inf, (layer + 1) * self._stride
-        while self._waiting and len(found) < wanted:
-            bound, cost, state, before, paid = heapq.heappop(self._waiting)
+        limit, end = math.inf, (layer + 1) * stride
+        while waiting and len(found) < wanted:
+            bound, cost, state, before, paid = pop(waiting)
             if bound >= limit:
                 break
-            if state in self._before or state in found:
+            if state in known or state in found:
                 continue
-            true = paid + self._true_cost(before, state)
+            true = paid + true_cost(before, state)
             if true > -cost:
-                heapq.heappush(self._waiting, (bound + true + cost, -true, state, before, paid))
+                push(waiting, (bound + true + cost, -true, state, before, paid))
                 continue
-            number = state % self._stride
+            number = state % stride
             if state >= end or number >= self._count:
                 found[state] = (bound, cost, state, before, paid)
                 if len(found) == 1 < wanted:
                     limit = true + self._detour(layer + 1, number)
                 continue
-            self._before[state] = before
-            zone = self._network.uses[number].target
-            counts[zone] += 1
-            if counts[zone] * len(self._network.leaving[zone]) <= ENTRIES:
-                self._push(state, true, layer, zone, self._network.row(number))
+            known[state] = before
+            zone = uses[number].target
+            times = counts[zone] = counts.get(zone, 0) + 1
+            if times == 1 or times * len(leaving[zone]) <= ENTRIES:
+                self._push(state, true, layer, zone, row(number))
         return list(found.values())
 
     def _detour(self, layer: int, use: int) -> int:
@@ -180,22 +144,22 @@ class Search:
 
     def _push(self, state: int, paid: int, layer: int, zone: int, row: Row) -> None:
         """Let all that may follow a state wait for their turn."""
-        waiting, known, terms, uses = self._waiting, self._before, self._terms, self._network.uses
-        offset, bounds = layer * self._stride, self._bounds
+        waiting, known, bounds, push = self._waiting, self._before, self._bounds, heapq.heappush
+        offset, stride, terms = layer * self._stride, self._stride, self._terms
         aim = self._via[layer] if layer < len(self._via) else -1
-        for use, step in row:
+        for use, target, step in row:
             cost = paid + step
             if self._apply:
                 if self._is_closed(use):
                     continue
                 cost = paid + math.ceil(step * terms.factor(zone, use))
-            after = offset + use + (self._stride if uses[use].target == aim else 0)
+            after = offset + use if target != aim else offset + use + stride
             if after not in known:
-                heapq.heappush(waiting, (cost + bounds[use], -cost, after, state, paid))
+                push(waiting, (cost + bounds[use], -cost, after, state, paid))
         if layer == len(self._via):
             for end in self._ends.get(zone, ()):
                 cost = paid + self._cost(zone, end, math.dist(*self._points(state, end)))
-                heapq.heappush(waiting, (cost, -cost, offset + end, state, paid))
+                push(waiting, (cost, -cost, offset + end, state, paid))
 
     def _is_closed(self, use: int) -> bool:
         """Say whether a use must not be gone by, or leads where none may enter."""

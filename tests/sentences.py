@@ -345,8 +345,8 @@ REFUSED: list[tuple[str, int, str]] = [
     ("what is unexplored in", 21, 'a name or "here"'),
     ("where am I going", 11, "the end of the question"),
     # crowds
-    ("go to a" + " and then to b" * 16, 7 + 14 * 15 + 13, "at most 16 zones to go to or through"),
-    ("go to a via b" + " and c" * 15, 13 + 6 * 14 + 5, "at most 16 zones to go to or through"),
+    ("go to a" + " and then to b" * 8, 7 + 14 * 7 + 13, "at most 8 zones to go to or through"),
+    ("go to a via b" + " and c" * 7, 13 + 6 * 6 + 5, "at most 8 zones to go to or through"),
     ("go to a avoiding b" + ", c" * 64, 18 + 3 * 63 + 2, "at most 64 zones to avoid"),
 ]
 """Sentences with the place in characters where they leave the grammar, and what belongs there."""

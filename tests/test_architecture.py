@@ -21,7 +21,7 @@ LAYERS = [
     {"metric"}, {"placement"},
     {"borders", "graph"}, {"findings"}, {"mapper"},
     {"atlas", "expectations", "grammar", "likeness", "questions"},
-    {"ground", "network"}, {"search"}, {"gap", "journey"}, {"finder"},
+    {"errand", "ground"}, {"network"}, {"search"}, {"gap", "journey"}, {"finder"},
     {"names", "phrases", "reading", "route"},
     {"answers"},
     {"codec", "documents", "readback", "wkb"},

@@ -9,7 +9,7 @@ import pytest
 from hypothesis import example, given
 from hypothesis import strategies as st
 
-from semtopo.errors import InvalidQuestionError
+from semtopo.errors import CrowdedQuestionError, InvalidQuestionError
 from semtopo.expectations import EXAMPLES, WORDS, closest_example, expectation
 from semtopo.grammar import parser, reserved_words
 from semtopo.phrases import capitalised, counted, listed, phrase, quoted
@@ -163,7 +163,7 @@ def test_chains_are_bounded() -> None:
     crowd = "go to a avoiding b" + " and b" * (AVOIDED_MAX - 1)
     assert isinstance(parse(crowd), PathQuestion)
     for text in (f"{chain} and then to a", f"{chain} via a", f"{crowd} and b"):
-        with pytest.raises(InvalidQuestionError, match="at most"):
+        with pytest.raises(CrowdedQuestionError, match="at most"):
             parse(text)
 
 

@@ -216,7 +216,7 @@ def test_an_empty_map_knows_no_zone() -> None:
 @pytest.mark.parametrize(
     "wrong",
     [
-        {"goals": ()}, {"via": ("a",) * 101},
+        {"goals": ()}, {"via": ("a",) * 21},
         {"alternatives": 0}, {"alternatives": 11}, {"radius": -0.1}, {"radius": math.nan},
         {"radius": 101.0},
     ],

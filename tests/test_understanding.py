@@ -17,8 +17,9 @@ from semtopo.atlas import Atlas, ZoneNotes
 from semtopo.errors import AmbiguousQuestionError, InvalidQuestionError, SemtopoError
 from semtopo.grammar import reserved_words
 from semtopo.phrases import phrase
-from semtopo.questions import Here, Named, PathQuestion, Question
+from semtopo.questions import STOPS_MAX, Here, Named, Nearest, PathQuestion, Question
 from tests.atlases import Edge, atlas
+from tests.drawn_questions import legs_to
 from tests.sentences import REFUSED, UNDERSTOOD, leg, path, tour
 from tests.test_reading import FRAMES, HOSTILE, SECONDS_MAX, TEXT_MAX
 
@@ -203,6 +204,40 @@ pieces = st.sampled_from([
 @settings(max_examples=150)
 def test_no_drawn_text_takes_long(text: str) -> None:
     assert is_quick(grid(30), text[:TEXT_MAX])
+
+
+NAMES = st.sampled_from([Named(zone) for zone in grid(20).state.graph.nodes])
+TOURS = st.builds(
+    PathQuestion,
+    NAMES,
+    legs_to(st.builds(Nearest, NAMES) | NAMES, st.lists(NAMES, max_size=4).map(tuple)),
+)
+
+
+@given(TOURS)
+@settings(max_examples=60)
+def test_no_drawn_tour_takes_long(tour: PathQuestion) -> None:
+    """Rooms that are all alike have many ways that cost the same, or nearly so."""
+    text = phrase(tour)
+    if len(text) <= TEXT_MAX:
+        assert code_of(grid(20), text) in {None, "no_route"}  # one may avoid where one must go
+        assert is_quick(grid(20), text)
+
+
+@pytest.mark.parametrize("word", ["via", "and then to"])
+def test_the_longest_tour_takes_no_longer(word: str) -> None:
+    """It goes to and fro, neither straight nor diagonally: so most ways are alike."""
+    ends = ["room 0 to 0", "room 19-9"]
+    stops = f" {word} ".join(f'"{ends[number % 2]}"' for number in range(STOPS_MAX))
+    text = f'path from "{ends[1]}" to {stops}'
+    assert len(understand_path(text).legs) == (1 if word == "via" else STOPS_MAX)
+    assert is_quick(grid(20), text)
+
+
+def understand_path(text: str) -> PathQuestion:
+    question = understand(grid(20), text)
+    assert isinstance(question, PathQuestion)
+    return question
 
 
 def is_quick(place: Atlas, text: str) -> bool:

@@ -10,6 +10,7 @@
     │   ├── InvalidOptionError
     │   ├── InvalidMapError
     │   ├── InvalidQuestionError
+    │   │   └── CrowdedQuestionError
     │   └── InvalidRestrictionError
     ├── UnknownZoneError: no zone of the map has that name
     ├── AmbiguousZoneError: a name means several zones where one is asked for
@@ -110,6 +111,12 @@ class InvalidQuestionError(InvalidInputError):
         super().__init__(message)
         self.position, self.expected, self.example = position, expected, example
         self.facts = {"position": position, "expected": expected, "example": example}
+
+
+class CrowdedQuestionError(InvalidQuestionError):
+    """A sentence that names more zones to go to, or to avoid, than one question may."""
+
+    code: ClassVar[str] = "crowded_question"
 
 
 class InvalidRestrictionError(InvalidInputError):

@@ -7,12 +7,11 @@ from typing import Annotated
 from pydantic import BaseModel, ConfigDict, Field
 
 from semtopo.documents import COORDINATE_MAX, LABEL_LENGTH_MAX
-from semtopo.journey import ALTERNATIVES_MAX, RADIUS_MAX
+from semtopo.journey import ALTERNATIVES_MAX, RADIUS_MAX, STOPS_MAX
 from semtopo.network import COST_MAX
 from semtopo.types import Point
 from service.schemas.steps import SEQ_MAX
 
-STOPS_MAX = 20
 AVOIDED_MAX = 100
 
 Name = Annotated[str, Field(min_length=1, max_length=LABEL_LENGTH_MAX)]
