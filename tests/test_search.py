@@ -18,7 +18,7 @@ from hypothesis import strategies as st
 
 from semtopo import finder
 from semtopo.atlas import Atlas, Restriction, ZoneRef
-from semtopo.errors import NoRouteError
+from semtopo.errors.ways import NoRouteError
 from semtopo.journey import Place, RouteRequest
 from semtopo.network import CostModel
 from semtopo.route import find_routes
