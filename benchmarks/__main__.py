@@ -22,7 +22,7 @@ from rich.console import Console
 from benchmarks.table import Row, show
 
 MODULES = (
-    "stages", "growth", "worlds", "routes", "dense_paths",
+    "stages", "octave", "growth", "worlds", "routes", "dense_paths",
     "http_steps", "durable_step", "reading", "many_sessions",
 )  # fmt: skip
 WIDTH = 180

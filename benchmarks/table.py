@@ -17,11 +17,12 @@ Table: TypeAlias = tuple[str, list[Row]]
 def show(console: Console, table: Table) -> None:
     """Print a table."""
     title, rows = table
-    drawn = Drawn(title=title, title_justify="left")
+    drawn = Drawn()
     for number, name in enumerate(rows[0]):
         drawn.add_column(name, justify="right" if number else "left")
     for row in rows:
         drawn.add_row(*row.values())
+    console.print(title, markup=False, highlight=False, soft_wrap=True)
     console.print(drawn)
 
 

@@ -11,13 +11,14 @@ import orjson
 import pytest
 
 from benchmarks import __main__ as command
-from benchmarks import growth, stages, worlds
-from benchmarks.paper import path, wander
+from benchmarks import growth, octave, stages, worlds
+from benchmarks.paper import path, wander, world
 from semtopo import MappingOptions, Sensor, explore
 from semtopo.types import Sensing
 
 SMALL: dict[str, dict[str, object]] = {
     "stages": {"ROUNDS": 1, "BEAMS": (36,)},
+    "octave": {"ROUNDS": 1, "BEAMS": (36,), "STEPS": 8},
     "growth": {"STEPS": 120, "MARKS": (110, 120)},
     "worlds": {"SIZES": (10, 100), "STEPS": 20, "ROUNDS": 1},
     "routes": {"SIDE": 6, "QUERIES": 5},
@@ -71,6 +72,32 @@ def test_the_floor_is_measured(monkeypatch: pytest.MonkeyPatch) -> None:
     assert loop is not None
     assert 0 < loop < 50
     assert stages.union_ms(36, stages.MINIMAL) > 0
+
+
+def their_map(beams: int, steps: int) -> octave.Found:
+    """Return what a peer without a fault would print."""
+    *_, last = explore(world(), Sensor(beams), path()[:steps])
+    zones, passages = last.state.metric.zones, last.state.graph.passages.values()
+    return {
+        "times": [], "nodes": list(zones), "areas": [it.region.area for it in zones.values()],
+        "sources": [it.source for it in passages], "targets": [it.target for it in passages],
+        "points": [it.point for it in passages],
+    }  # fmt: skip
+
+
+def test_a_peer_with_another_map_is_no_peer(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(octave, "STEPS", 8)
+    found = their_map(36, 8)
+    octave.check(found, 36)
+    x, y = found["points"][0]
+    wrong: list[tuple[octave.Found, str]] = [
+        ({**found, "areas": [found["areas"][0] + 1e-6, *found["areas"][1:]]}, r"m\^2, not"),
+        ({**found, "points": [(x, y + 1e-3), *found["points"][1:]]}, "m away, not"),
+        ({**found, "sources": found["targets"]}, "other nodes or edges"),
+    ]
+    for other, why in wrong:
+        with pytest.raises(octave.DifferentMapError, match=why):
+            octave.check(other, 36)
 
 
 def test_growth_is_measured_on_the_same_walk(monkeypatch: pytest.MonkeyPatch) -> None:
