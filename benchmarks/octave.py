@@ -1,8 +1,8 @@
 """The paper's algorithms as a plain Octave program (`algorithms.m`) on the paper's scenario.
 
-Its zones and edges must be ours, or it is no peer. Of each step the least time of some rounds counts,
-as for ours. Left out where there is no Octave with its
-package `geometry` (Debian: `octave octave-geometry`), which brings the union of polygons.
+Its zones and edges must be ours, or it is no peer. Of each step counts the least time of some
+rounds, as for ours. Left out where there is no Octave with its package `geometry` (Debian: `octave
+octave-geometry`), which brings the union of polygons.
 """
 
 from __future__ import annotations
