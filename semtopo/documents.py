@@ -6,6 +6,7 @@ bound, so that no document can exhaust a machine; numbers are finite, and labels
 
 from __future__ import annotations
 
+from functools import lru_cache
 from typing import Annotated, Literal, Self
 
 from pydantic import (
@@ -37,6 +38,7 @@ LABELS_MAX = 1_000  # in one scan
 MEMBERS_MAX = 64  # of a JSON object
 
 
+@lru_cache(2**12)  # a robot sends the same few labels over and over
 def _printable(text: str) -> str:
     """Refuse control characters, lone surrogates and spaces at the ends."""
     if text != text.strip() or not text.replace(" ", "x").isprintable():
@@ -52,6 +54,8 @@ Coordinate = Annotated[Number, Field(ge=-COORDINATE_MAX, le=COORDINATE_MAX)]
 Angle = Annotated[Number, Field(ge=-1e3, le=1e3)]  # rad; more turns than this are a mistake
 Radius = Annotated[Number, Field(gt=0, le=RANGE_MAX)]
 KindName = Literal["space", "passage", "obstacle", "unknown"]
+
+_KINDS = {kind.name.lower(): kind for kind in Kind}
 
 
 class Document(BaseModel):
@@ -78,7 +82,7 @@ class WorldZoneDocument(Document):
 
     def value(self) -> WorldZone:
         """Return the rectangle."""
-        return WorldZone(self.label, Kind[self.kind.upper()], self.low, self.high)
+        return WorldZone(self.label, _KINDS[self.kind], self.low, self.high)
 
 
 class WorldDocument(Document):
@@ -212,7 +216,7 @@ class ScanDocument(Document):
             angle_increment=self.angle_increment,
             range_max=self.range_max,
             beams=self.beams,
-            kinds={label: Kind[kind.upper()] for label, kind in self.kinds.items()},
+            kinds={label: _KINDS[kind] for label, kind in self.kinds.items()},
         )
 
 

@@ -68,6 +68,8 @@ class MetricMap:
         the first id of `merges` to the second (R14); their doorways move over. A zone that grows
         by nothing stays the very same object. Borders are kept within a `tolerance` in m (R17).
         """
+        if not sensor_map.zones and not merges:
+            return self
         zones = dict(self.zones)
         for zone_id, into in merges.items():
             zones[into] = _grown(zones[into], zones.pop(zone_id), seq, tolerance)

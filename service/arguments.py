@@ -8,7 +8,9 @@ endpoint does not take.
 from __future__ import annotations
 
 import json
-from collections.abc import Awaitable, Callable, Mapping, Sequence
+from collections.abc import Awaitable, Callable, Sequence
+from dataclasses import dataclass
+from functools import partial
 from typing import Any, cast
 
 from fastapi import Request, Response
@@ -20,8 +22,10 @@ from pydantic import TypeAdapter, ValidationError
 from starlette.exceptions import HTTPException
 from starlette.requests import ClientDisconnect
 from starlette.routing import request_response
+from starlette.types import Scope
 
 from service.errors import InvalidRequestError
+from service.headers import find_header
 
 Mistakes = list[dict[str, Any]]
 
@@ -62,15 +66,31 @@ def _is_direct(takes: Dependant) -> bool:
     )
 
 
+@dataclass(frozen=True, slots=True)
+class _Parameter:
+    """A parameter of a path, a query or a header."""
+
+    name: str
+    where: str
+    alias: str
+    default: Any
+    read: Callable[..., tuple[Any, Sequence[Any]]]
+
+    @classmethod
+    def all_of(cls, fields: Sequence[ModelField], where: str) -> list[_Parameter]:
+        """Return the parameters that FastAPI found; their defaults are scalars, never changed."""
+        return [cls(it.name, where, it.alias, it.get_default(), it.validate) for it in fields]
+
+
 class _Endpoint:
     """An endpoint, and what it takes."""
 
     def __init__(self, call: Callable[..., Awaitable[Response]], takes: Dependant) -> None:
         """Take note of the parameters."""
         self._call = call
-        self._path = takes.path_params
-        self._query = takes.query_params
-        self._headers = takes.header_params
+        self._path = _Parameter.all_of(takes.path_params, "path")
+        self._query = _Parameter.all_of(takes.query_params, "query")
+        self._headers = _Parameter.all_of(takes.header_params, "header")
         self._bodies: list[tuple[str, TypeAdapter[Any]]] = [
             (body.name, TypeAdapter(cast(Any, body.field_info.annotation)))
             for body in takes.body_params
@@ -79,10 +99,10 @@ class _Endpoint:
     async def answer(self, request: Request) -> Response:
         """Call the endpoint, or raise RequestValidationError with all that is wrong."""
         mistakes: Mistakes = []
-        found = _checked(self._path, "path", request.path_params, mistakes)
+        found = _checked(self._path, request.path_params.get, mistakes)
         if self._query:
-            found |= _checked(self._query, "query", request.query_params, mistakes)
-        found |= _checked(self._headers, "header", request.headers, mistakes)
+            found |= _checked(self._query, request.query_params.get, mistakes)
+        found |= _checked(self._headers, partial(_header, request.scope), mistakes)
         for name, document in self._bodies:
             content = await _whole_body(request)
             try:
@@ -92,6 +112,10 @@ class _Endpoint:
         if mistakes:
             raise RequestValidationError(mistakes)
         return await self._call(request, **found)
+
+
+def _header(scope: Scope, alias: str) -> str | None:
+    return find_header(scope, alias.lower().encode())
 
 
 async def _whole_body(request: Request) -> bytes:
@@ -108,16 +132,16 @@ async def _whole_body(request: Request) -> bytes:
 
 
 def _checked(
-    wanted: Sequence[ModelField], where: str, given: Mapping[str, str], mistakes: Mistakes
+    wanted: Sequence[_Parameter], find: Callable[[str], str | None], mistakes: Mistakes
 ) -> dict[str, Any]:
     """Return the values of parameters by their names, and add what is wrong with them."""
     found = {}
     for parameter in wanted:
-        text = given.get(parameter.alias)
+        text = find(parameter.alias)
         if text is None:
-            found[parameter.name] = parameter.get_default()
+            found[parameter.name] = parameter.default
         else:
-            value, wrong = parameter.validate(text, loc=(where, parameter.alias))
+            value, wrong = parameter.read(text, loc=(parameter.where, parameter.alias))
             found[parameter.name] = value
             mistakes += wrong
     return found

@@ -8,10 +8,10 @@ from __future__ import annotations
 
 import re
 
-from starlette.datastructures import Headers
 from starlette.exceptions import HTTPException
 from starlette.types import ASGIApp, Message, Receive, Scope, Send
 
+from service.headers import find_header
 from service.problems import Problem
 
 _TOO_LARGE = 413
@@ -32,11 +32,11 @@ class BodyLimit:
         if scope["type"] != "http":
             await self._app(scope, receive, send)
             return
-        headers = Headers(scope=scope)
-        if int(headers.get("content-length", 0)) > self._bytes_max:
+        length = int(find_header(scope, b"content-length") or 0)
+        if length > self._bytes_max:
             problem = Problem(_TOO_LARGE, "body_too_large", "body too large")
             await problem(scope, receive, send)
-        elif scope["method"] in {"POST", "PUT"} and not _is_json(headers):
+        elif scope["method"] in {"POST", "PUT"} and not _is_json(scope, length):
             detail = "send JSON, with Content-Type: application/json"
             await Problem(_UNSUPPORTED, "unsupported_media_type", detail)(scope, receive, send)
         else:
@@ -57,9 +57,9 @@ class BodyLimit:
         return counted
 
 
-def _is_json(headers: Headers) -> bool:
+def _is_json(scope: Scope, length: int) -> bool:
     """Say whether a body is declared as JSON, or there is none."""
-    kind = headers.get("content-type")
+    kind = find_header(scope, b"content-type")
     if kind is None:
-        return "transfer-encoding" not in headers and headers.get("content-length", "0") == "0"
+        return length == 0 and find_header(scope, b"transfer-encoding") is None
     return _JSON.fullmatch(kind.strip()) is not None

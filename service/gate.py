@@ -9,10 +9,10 @@ from __future__ import annotations
 import re
 
 from fastapi import FastAPI
-from starlette.datastructures import Headers
 from starlette.types import ASGIApp, Receive, Scope, Send
 
 from service.errors import UnauthorizedError, UnknownSessionError
+from service.headers import find_header
 from service.problems import problem_of
 from service.sessions import Sessions
 
@@ -35,16 +35,16 @@ class KeyGate:
         found = _GUARDED.fullmatch(scope["path"]) if scope["type"] == "http" else None
         if found is not None:
             try:
-                owner = await self._admitted(Headers(scope=scope), found["id"])
+                owner = await self._admitted(scope, found["id"])
             except (UnauthorizedError, UnknownSessionError) as error:
                 await problem_of(error)(scope, receive, send)
                 return
             scope.setdefault("state", {})["owner"] = owner
         await self._app(scope, receive, send)
 
-    async def _admitted(self, headers: Headers, session_id: str | None) -> int:
+    async def _admitted(self, scope: Scope, session_id: str | None) -> int:
         """Return the number of the key that was sent, if it opens the session."""
-        scheme, _, key = headers.get("authorization", "").partition(" ")
+        scheme, _, key = (find_header(scope, b"authorization") or "").partition(" ")
         if scheme.lower() != "bearer":
             raise UnauthorizedError("send an API key: Authorization: Bearer KEY")
         sessions: Sessions = self._service.state.sessions

@@ -105,6 +105,8 @@ class HotSession:
     def after(self, state: MapState, step_ms: float) -> HotSession:
         """Return the session with the map after one more step, which took `step_ms`."""
         before, after = self.state.metric, state.metric
+        if before is after:
+            return replace(self, state=state, step_ms=step_ms)
         zones, doors = after.changed_since(before), after.doorways.changed_since(before.doorways)
         zone_ids = [*(it.zone_id for it in zones), *list(after.former)[len(before.former) :]]
         keys = [it.key for it in doors]

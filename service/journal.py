@@ -16,10 +16,10 @@ from time import perf_counter
 from typing import Any, Literal
 
 import orjson
-from starlette.datastructures import Headers
 from starlette.types import ASGIApp, Message, Receive, Scope, Send
 
 from service.clock import written
+from service.headers import find_header
 from service.metrics import Metrics
 
 _log = logging.getLogger(__name__)
@@ -84,7 +84,7 @@ class Journal:
             await self._app(scope, receive, send)
             return
         begun, status = perf_counter(), _FAULT  # a fault is answered further out
-        request_id = _id_of(Headers(scope=scope))
+        request_id = _id_of(scope)
         _request_id.set(request_id)
 
         async def noted(message: Message) -> None:
@@ -101,8 +101,8 @@ class Journal:
             _write(scope, status, 1000 * (perf_counter() - begun))
 
 
-def _id_of(headers: Headers) -> str:
-    given = headers.get("x-request-id")
+def _id_of(scope: Scope) -> str:
+    given = find_header(scope, b"x-request-id")
     if given is not None and _ID.fullmatch(given):
         return given
     return secrets.token_hex(8)

@@ -128,9 +128,11 @@ class Steps:
         match outcome:
             case Recorded() if computed is not None:
                 after = hot.after(computed.step.state, computed.cpu_ms)
-                self._metrics.time_stages(computed.timings_ms)
                 self._sessions.keep(after)
                 self._feeds.tell(hot.row.number)
+                # when the answer has left
+                loop = asyncio.get_running_loop()
+                loop.call_soon(self._metrics.time_stages, computed.timings_ms)
                 return Answer(computed.answer.encode(), after.tag)
             case Replayed(seq, content):
                 return Answer(content.encode(), entity_tag(hot.row.number, seq), replayed=True)

@@ -6,6 +6,8 @@ from time import perf_counter
 
 from semtopo.mapper import Stage
 
+_BEFORE_ANY = dict.fromkeys(list(Stage), 0.0)
+
 
 class Stopwatch:
     """Times one step, from now on: hand `ended` to `scan_world` and `step`."""
@@ -13,7 +15,7 @@ class Stopwatch:
     def __init__(self) -> None:
         """Start."""
         self._last = perf_counter()
-        self._seconds: dict[Stage, float] = dict.fromkeys(list(Stage), 0.0)
+        self._seconds = _BEFORE_ANY.copy()
 
     def ended(self, stage: Stage) -> None:
         """Take the time since the last stage ended as that of this one."""
@@ -23,6 +25,6 @@ class Stopwatch:
 
     def timings_ms(self) -> dict[str, float]:
         """Return the time of each stage and their total, in ms; 0 for a stage that did not end."""
-        stages = {str(stage): seconds for stage, seconds in self._seconds.items()}
-        timings = {**stages, "total": sum(stages.values())}
-        return {name: round(1000 * seconds, 3) for name, seconds in timings.items()}
+        seconds = self._seconds
+        timings = {stage.value: round(1000 * took, 3) for stage, took in seconds.items()}
+        return {**timings, "total": round(1000 * sum(seconds.values()), 3)}

@@ -8,43 +8,37 @@ PostgreSQL locks rows, so there each change has a transaction of its own, on sev
 from __future__ import annotations
 
 import asyncio
-import logging
 import queue
 import threading
 from collections.abc import Callable, Iterator
 from concurrent.futures import ThreadPoolExecutor
-from contextlib import AbstractContextManager, contextmanager, suppress
+from contextlib import contextmanager, suppress
 from time import perf_counter
 from typing import Any, Protocol, TypeVar
 
 from sqlalchemy import Connection, Engine
-from sqlalchemy.exc import SQLAlchemyError
 
 from service.database import Database
-from service.errors import BusyError, StorageError
-
-_log = logging.getLogger(__name__)
+from service.errors import BusyError
+from service.transactions import (
+    Change,
+    Committed,
+    Outcome,
+    database_errors,
+    ignore,
+    run_alone,
+    storage_failure,
+)
 
 Result = TypeVar("Result")
-Change = Callable[[Connection], Any]
-Begin = Callable[[], AbstractContextManager[Connection]]
-Errors = tuple[type[Exception], ...]
 
 _Item = tuple[Change, asyncio.Future[Any]]
-_Outcome = tuple[Any, Exception | None]
-
-Committed = Callable[[int, float], None]
-"""Hears of a transaction, in the thread that made it: how many changes, and how many s it took."""
 
 GROUP_MAX = 64
 """Changes in one transaction; more would make the first of them wait too long."""
 
 WRITERS = 8
 """Threads that write to PostgreSQL; each holds one connection while it works."""
-
-
-def _ignore(_changes: int, _seconds: float) -> None:
-    """Hear nothing."""
 
 
 class Writer(Protocol):
@@ -72,7 +66,7 @@ class Writer(Protocol):
         ...
 
 
-def open_writer(database: Database, queue_max: int, committed: Committed = _ignore) -> Writer:
+def open_writer(database: Database, queue_max: int, committed: Committed = ignore) -> Writer:
     """Return the writer that suits a database; it tells of every transaction that it commits."""
     if database.single_writer:
         return GroupWriter(database.writer, queue_max, committed)
@@ -82,12 +76,12 @@ def open_writer(database: Database, queue_max: int, committed: Committed = _igno
 class GroupWriter:
     """One thread and one connection, which commit in groups."""
 
-    def __init__(self, engine: Engine, queue_max: int, committed: Committed = _ignore) -> None:
+    def __init__(self, engine: Engine, queue_max: int, committed: Committed = ignore) -> None:
         """Start the thread."""
         self._committed = committed
         self._connection = engine.connect()  # kept: to take it up anew would cost 0.1 ms
         self._driver: Any = self._connection.connection.driver_connection
-        self._errors = _database_errors(engine)
+        self._errors = database_errors(engine)
         self._waiting: queue.SimpleQueue[_Item | None] = queue.SimpleQueue()
         self._queue_max = queue_max
         self._thread = threading.Thread(target=self._work, name="writer")
@@ -120,25 +114,32 @@ class GroupWriter:
                 group.append(self._waiting.get())
             work = [item for item in group if item is not None]
             if work:
+                begun = perf_counter()
                 outcomes = self._outcomes([change for change, _ in work])
+                seconds = perf_counter() - begun
                 _tell([future for _, future in work], outcomes)
+                self._count(outcomes, seconds)
             if len(work) < len(group):
                 return
 
-    def _outcomes(self, changes: list[Change]) -> list[_Outcome]:
+    def _outcomes(self, changes: list[Change]) -> list[Outcome]:
         """Commit changes together; if one of them fails, each alone."""
-        begun = perf_counter()
         try:
             with self._begin() as connection:
                 results = _run_all(connection, changes)
         except _SpoiltError:
-            return [_outcome(self._begin, self._errors, change) for change in changes]
+            return [run_alone(self._begin, self._errors, change) for change in changes]
         except self._errors as error:
-            return [(None, _storage_failure(error))] * len(changes)
+            return [(None, storage_failure(error))] * len(changes)
         except Exception as error:  # noqa: BLE001 -- the thread must live; the callers are told
             return [(None, error)] * len(changes)
-        self._committed(len(changes), perf_counter() - begun)
         return [(result, None) for result in results]
+
+    def _count(self, outcomes: list[Outcome], seconds: float) -> None:
+        """Tell of what was committed."""
+        changes = sum(error is None for _, error in outcomes)
+        if changes:
+            self._committed(changes, seconds)
 
     @contextmanager
     def _begin(self) -> Iterator[Connection]:
@@ -162,11 +163,11 @@ class GroupWriter:
 class PoolWriter:
     """Several threads, and a transaction for each change."""
 
-    def __init__(self, engine: Engine, queue_max: int, committed: Committed = _ignore) -> None:
+    def __init__(self, engine: Engine, queue_max: int, committed: Committed = ignore) -> None:
         """Make the threads."""
         self._begin = engine.begin
         self._committed = committed
-        self._errors = _database_errors(engine)
+        self._errors = database_errors(engine)
         self._pool = ThreadPoolExecutor(WRITERS, thread_name_prefix="writer")
         self._free = self._queue_max = queue_max
 
@@ -191,9 +192,9 @@ class PoolWriter:
         made: Result = result
         return made
 
-    def _timed(self, change: Change) -> _Outcome:
+    def _timed(self, change: Change) -> Outcome:
         begun = perf_counter()
-        outcome = _outcome(self._begin, self._errors, change)
+        outcome = run_alone(self._begin, self._errors, change)
         if outcome[1] is None:
             self._committed(1, perf_counter() - begun)
         return outcome
@@ -214,25 +215,13 @@ def _run_all(connection: Connection, changes: list[Change]) -> list[Any]:
         raise _SpoiltError from error
 
 
-def _outcome(begin: Begin, errors: Errors, change: Change) -> _Outcome:
-    """Run one change in a transaction of its own; return its result, or how it failed."""
-    try:
-        with begin() as connection:
-            result = change(connection)
-    except errors as error:
-        return None, _storage_failure(error)
-    except Exception as error:  # noqa: BLE001 -- the thread must live; the caller is told
-        return None, error
-    return result, None
-
-
-def _tell(futures: list[asyncio.Future[Any]], outcomes: list[_Outcome]) -> None:
+def _tell(futures: list[asyncio.Future[Any]], outcomes: list[Outcome]) -> None:
     """Settle futures from another thread: the loop is woken once for all of them."""
     with suppress(RuntimeError):  # the loop is closed: nobody waits any more
         futures[0].get_loop().call_soon_threadsafe(_settle, futures, outcomes)
 
 
-def _settle(futures: list[asyncio.Future[Any]], outcomes: list[_Outcome]) -> None:
+def _settle(futures: list[asyncio.Future[Any]], outcomes: list[Outcome]) -> None:
     for future, (result, error) in zip(futures, outcomes, strict=True):
         if future.cancelled():
             continue
@@ -240,16 +229,3 @@ def _settle(futures: list[asyncio.Future[Any]], outcomes: list[_Outcome]) -> Non
             future.set_result(result)
         else:
             future.set_exception(error)
-
-
-def _database_errors(engine: Engine) -> Errors:
-    """Return the errors of SQLAlchemy and of the driver below it."""
-    driver = engine.dialect.dbapi
-    return (SQLAlchemyError,) if driver is None else (SQLAlchemyError, driver.Error)
-
-
-def _storage_failure(error: Exception) -> StorageError:
-    _log.warning("the database did not take a change: %s", error)
-    failure = StorageError("the database did not take the change; it may be sent again")
-    failure.__cause__ = error
-    return failure

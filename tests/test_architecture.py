@@ -39,7 +39,7 @@ PURE = {
 
 IMPURE_NAMES = {"breakpoint", "eval", "exec", "input", "open", "print", "random", "seed"}
 
-SPEAK_SQL = {"database", "keys", "statements", "store", "tables", "writer"}
+SPEAK_SQL = {"database", "keys", "statements", "store", "tables", "transactions", "writer"}
 HAND_ON = {"history", "hot", "key_desk", "recording", "sessions"}
 """They name the type `Connection`, and hand what they get to those who speak SQL."""
 
