@@ -1,9 +1,9 @@
 """What a durable step costs over HTTP, beside a bare endpoint that commits one row of 1 KB.
 
-What the map itself computes (`timings_ms` of each answer) is taken off: what remains is HTTP,
-validation, order, the log and the commit. All servers are loaded in turn, several rounds, in one
-run; the ratios are what counts. Run it alone as `python -m benchmarks
-durable_step`.
+What the map itself computes is left out (a step finds nothing, at once), or taken off (by the
+`timings_ms` of each answer): what remains is HTTP, validation, order, the log and the commit. All
+servers are loaded in turn, several rounds, in one run; the ratios are what counts. Run it alone as
+`python -m benchmarks durable_step`.
 """
 
 from __future__ import annotations
@@ -17,7 +17,8 @@ import sys
 import tempfile
 import time
 from collections.abc import Callable, Iterator
-from contextlib import contextmanager
+from contextlib import ExitStack, contextmanager
+from dataclasses import dataclass
 
 import orjson
 
@@ -27,8 +28,6 @@ from benchmarks.table import Row, Table
 ROUNDS = 7
 COUNT = {1: 1_000, 16: 3_000}
 SESSIONS = 16
-NAMES = {"semtopo": "semtopo", "thread": "bare, on a thread", "loop": "bare, on the event loop"}
-
 BARE = """
 import gc, uvicorn
 from benchmarks.bare import create_app
@@ -40,9 +39,46 @@ SEMTOPO = """
 import logging, os
 from service.app import serve
 from service.settings import Settings
-logging.disable(logging.INFO)
+CHANGE
 serve(Settings(port={port}, database="sqlite:///" + os.environ["STEP_DATABASE"]))
 """
+
+SILENT = "logging.disable(logging.INFO)"
+
+STILL = """
+from dataclasses import replace
+from semtopo import Stage, Step
+from service.hot import HotSession
+def take(hot, pose, seen, watch):
+    for stage in Stage:
+        watch.ended(stage)
+    state = replace(hot.state, seq=hot.state.seq + 1, position=pose.position)
+    return Step(state, None, ())
+HotSession.take = take
+"""
+"""Leaves the map's computing out, and with it that the processor's caches forget the rest."""
+
+
+@dataclass(frozen=True, slots=True)
+class Subject:
+    """A server, and what is asked of it."""
+
+    who: str
+    code: str
+    path: str = ""
+    computes: bool = False
+    """Whether what the map took is to be taken off."""
+
+
+YARDSTICK = Subject("bare, on a thread", BARE, "/thread")
+
+SUBJECTS = [
+    Subject("steps, computing left out", SEMTOPO.replace("CHANGE", SILENT + STILL)),
+    Subject("steps, computing taken off", SEMTOPO.replace("CHANGE", SILENT), computes=True),
+    Subject("the same, requests logged", SEMTOPO.replace("CHANGE", ""), computes=True),
+    YARDSTICK,
+    Subject("bare, on the event loop", BARE, "/loop"),
+]
 
 
 @contextmanager
@@ -52,7 +88,9 @@ def server(code: str, environment: dict[str, str]) -> Iterator[int]:
         free.bind((HOST, 0))
         port: int = free.getsockname()[1]
     command = [sys.executable, "-c", code.format(port=port)]
-    with subprocess.Popen(command, env={**os.environ, **environment}) as process:  # noqa: S603 -- ourselves
+    with subprocess.Popen(  # noqa: S603 -- ourselves
+        command, env={**os.environ, **environment}, stderr=subprocess.DEVNULL
+    ) as process:
         for _ in range(400):
             with socket.socket() as probe:
                 if probe.connect_ex((HOST, port)) == 0:
@@ -85,52 +123,57 @@ def step_body() -> bytes:
 
 
 def measure() -> dict[tuple[str, int], list[Load]]:
-    """Load all servers in turn; return the loads by name and number of clients."""
+    """Load all servers in turn; return the loads by who was asked and number of clients."""
     found: dict[tuple[str, int], list[Load]] = {}
-    row = orjson.dumps({"pose": {"x": 1.0, "y": 6.0}, "text": "x" * 960})
-    with tempfile.TemporaryDirectory() as folder:
-        files = {"BARE_DATABASE": f"{folder}/bare.db", "STEP_DATABASE": f"{folder}/step.db"}
-        with server(BARE, files) as bare, server(SEMTOPO, files) as semtopo:
-            ids = asyncio.run(make_sessions(semtopo))
-            steps = [request_bytes("POST", f"/sessions/{one}/step", step_body()) for one in ids]
-            kinds: dict[str, tuple[int, Callable[[int], bytes]]] = {
-                "semtopo": (semtopo, lambda number: steps[number % SESSIONS]),
-                "thread": (bare, lambda _: request_bytes("POST", "/thread", row)),
-                "loop": (bare, lambda _: request_bytes("POST", "/loop", row)),
-            }
-            for _ in range(ROUNDS):
-                for clients, count in COUNT.items():
-                    for name, (port, requests) in kinds.items():
-                        off = computing if name == "semtopo" else None
-                        load = run(port, requests, clients=clients, count=count, taken_off=off)
-                        found.setdefault((name, clients), []).append(load)
+    with ExitStack() as ending:
+        asked = [_begun(subject, ending) for subject in SUBJECTS]
+        for _ in range(ROUNDS):
+            for clients, count in COUNT.items():
+                for subject, port, requests in asked:
+                    off = computing if subject.computes else None
+                    load = run(port, requests, clients=clients, count=count, taken_off=off)
+                    found.setdefault((subject.who, clients), []).append(load)
     return found
+
+
+def _begun(subject: Subject, ending: ExitStack) -> tuple[Subject, int, Callable[[int], bytes]]:
+    """Return a subject, the port of its server, and the requests that it gets."""
+    folder = ending.enter_context(tempfile.TemporaryDirectory())
+    files = {"BARE_DATABASE": f"{folder}/bare.db", "STEP_DATABASE": f"{folder}/step.db"}
+    port = ending.enter_context(server(subject.code, files))
+    if subject.path:
+        row = orjson.dumps({"pose": {"x": 1.0, "y": 6.0}, "text": "x" * 960})
+        request = request_bytes("POST", subject.path, row)
+        return subject, port, lambda _: request
+    ids = asyncio.run(make_sessions(port))
+    steps = [request_bytes("POST", f"/sessions/{one}/step", step_body()) for one in ids]
+    return subject, port, lambda number: steps[number % SESSIONS]
 
 
 def tables() -> Iterator[Table]:
     """Yield medians over the rounds, the first left out."""
     found = measure()
     for clients in COUNT:
-        loads = {name: found[name, clients][1:] for name in ("semtopo", "thread", "loop")}
+        loads = {it.who: found[it.who, clients][1:] for it in SUBJECTS}
         yield f"A durable step over HTTP without the map, {clients} clients", _rows(loads)
 
 
 def _rows(loads: dict[str, list[Load]]) -> list[Row]:
-    rates = {name: statistics.median(it.rate for it in rounds) for name, rounds in loads.items()}
     figures = {
-        (name, share): statistics.median(it.percentile(share) for it in rounds)
-        for name, rounds in loads.items()
+        (who, share): statistics.median(it.percentile(share) for it in rounds)
+        for who, rounds in loads.items()
         for share in (0.5, 0.99)
     }
     return [
         {
-            "who": NAMES[name], "a second": f"{rates[name]:.0f}",
-            **{f"p{100 * share:.0f}, ms": f"{figures[name, share]:.2f}" for share in (0.5, 0.99)},
+            "who": who,
+            "a second": f"{statistics.median(it.rate for it in rounds):.0f}",
+            **{f"p{100 * share:.0f}, ms": f"{figures[who, share]:.2f}" for share in (0.5, 0.99)},
             **{
-                f"semtopo / this, p{100 * share:.0f}":
-                    f"{figures['semtopo', share] / figures[name, share]:.2f}"
+                f"p{100 * share:.0f} / bare, on a thread":
+                    f"{figures[who, share] / figures[YARDSTICK.who, share]:.2f}"
                 for share in (0.5, 0.99)
             },
         }
-        for name in loads
+        for who, rounds in loads.items()
     ]  # fmt: skip
