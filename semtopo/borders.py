@@ -6,7 +6,7 @@ is a piece with occupancy FREE: known free space ends there, and nobody knows wh
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -34,6 +34,20 @@ class BorderPiece:
         return BorderPiece(self.occupancy, shapely.get_coordinates(line))
 
 
+@dataclass(frozen=True, slots=True, eq=False)
+class PiecedBorder(Border):
+    """The border of a zone that was read back in pieces: all that is known of it."""
+
+    pieces: tuple[BorderPiece, ...]
+
+    @classmethod
+    def of(cls, pieces: Sequence[BorderPiece]) -> PiecedBorder:
+        """Return the border of at least one piece."""
+        lengths = [len(piece.line) for piece in pieces]
+        occupancy = np.repeat(np.array([it.occupancy for it in pieces], np.uint8), lengths)
+        return cls(np.concatenate([piece.line for piece in pieces]), occupancy, tuple(pieces))
+
+
 def border_pieces(zone: MappedZone) -> tuple[BorderPiece, ...]:
     """Return the border of a zone in pieces, ring by ring; together they are all of it.
 
@@ -42,6 +56,8 @@ def border_pieces(zone: MappedZone) -> tuple[BorderPiece, ...]:
     are reduced (R17), the pieces are those of the core, each reduced to the tolerance; what is
     shorter than a few tolerances goes with what is around it.
     """
+    if isinstance(zone.border, PiecedBorder):
+        return zone.border.pieces
     whole = zone if zone.core is None else zone.core
     width = 0.0 if zone.core is None else SETTLED * zone.core.tolerance
     rings = shapely.get_rings(shapely.get_parts(whole.region))

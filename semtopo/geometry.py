@@ -94,9 +94,11 @@ def nearest_point(region: Region, position: Point) -> Point:
 def widest_place(region: Region) -> Point:
     """Return the place of a region that is farthest from its border, within 1 % of its extent.
 
-    It is the centre of the largest circle inside (of any part), and always inside.
+    It is the centre of the largest circle inside (of any part), and always inside; however the
+    rings are turned, it is the same.
     """
-    x, y = shapely.get_coordinates(shapely.maximum_inscribed_circle(region))[0]
+    circle = shapely.maximum_inscribed_circle(shapely.normalize(region))
+    x, y = shapely.get_coordinates(circle)[0]
     return (float(x), float(y))
 
 

@@ -1,12 +1,13 @@
 """Read back what `semtopo map` wrote into a folder, so that it can be asked.
 
 The zones and the graph are those of the last step; of earlier ones only findings are known, and
-where the robot was. Borders are not known.
+where the robot was.
 """
 
 from __future__ import annotations
 
 from collections.abc import Sequence
+from contextlib import suppress
 from dataclasses import dataclass, replace
 from functools import partial
 from pathlib import Path
@@ -18,7 +19,7 @@ from semtopo.answers import History
 from semtopo.atlas import Atlas
 from semtopo.errors import InvalidMapError, UnknownStepError
 from semtopo.exports.chart import Chart
-from semtopo.exports.geojson import read_borders, read_doorways
+from semtopo.exports.geojson import bordered, read_borders, read_doorways
 from semtopo.mapper import MapState
 from semtopo.readback import read_map
 from service.mapping_run import BORDERS, DOORWAYS, GRAPH, STEPS, ZONES, naming
@@ -33,7 +34,7 @@ class Folder:
 
 
 def read_folder(directory: Path) -> Folder:
-    """Read a folder; without its steps, the map alone.
+    """Read a folder; without its steps, borders or doorways, the map alone.
 
     Raises
     ------
@@ -42,22 +43,31 @@ def read_folder(directory: Path) -> Folder:
     OSError
         A file cannot be read.
     """
-    zones, graph = (directory / ZONES).read_bytes(), (directory / GRAPH).read_bytes()
-    state = read_map(zones, graph)
+    state = _read_state(directory)
+    with suppress(FileNotFoundError):
+        state = _with_doorways(state, directory / DOORWAYS)
+    with suppress(FileNotFoundError), naming(directory / BORDERS):
+        state = bordered(state, read_borders((directory / BORDERS).read_bytes()))
     steps = _read_steps(directory / STEPS)
     return Folder(Atlas(_placed(state, steps)), partial(_placed_at, state, steps))
 
 
 def read_chart(directory: Path, radius: float) -> Chart:
     """Read what can be exported from a folder, for a robot of a radius; raises as `read_folder`."""
-    zones, graph = (directory / ZONES).read_bytes(), (directory / GRAPH).read_bytes()
-    state = read_map(zones, graph)
-    with naming(directory / DOORWAYS):
-        doorways = read_doorways((directory / DOORWAYS).read_bytes())
+    state = _with_doorways(_read_state(directory), directory / DOORWAYS)
     with naming(directory / BORDERS):
         borders = read_borders((directory / BORDERS).read_bytes())
-    whole = replace(state, metric=replace(state.metric, doorways=doorways))
-    return Chart(whole, borders, radius)
+    return Chart(state, borders, radius)
+
+
+def _read_state(directory: Path) -> MapState:
+    return read_map((directory / ZONES).read_bytes(), (directory / GRAPH).read_bytes())
+
+
+def _with_doorways(state: MapState, file: Path) -> MapState:
+    with naming(file):
+        doorways = read_doorways(file.read_bytes())
+    return replace(state, metric=replace(state.metric, doorways=doorways))
 
 
 def _read_steps(file: Path) -> list[dict[str, Any]]:

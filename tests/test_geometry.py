@@ -113,6 +113,8 @@ def test_joined_leaves_walls_where_they_are() -> None:
 def test_the_widest_place_is_in_the_middle_of_the_widest_part() -> None:
     x, y = geometry.widest_place(MultiPolygon([UNIT, box(5, 0, 9, 4)]))
     assert (x, y) == pytest.approx((7, 2), abs=0.05)
+    turned = shapely.orient_polygons(RING, exterior_cw=True)
+    assert geometry.widest_place(turned) == geometry.widest_place(RING)
     x, y = geometry.widest_place(RING)
     assert RING.contains(shapely.Point(x, y))
     assert RING.boundary.distance(shapely.Point(x, y)) == pytest.approx(0.5858, rel=0.02)

@@ -3,18 +3,24 @@
 from __future__ import annotations
 
 from collections.abc import Iterable
+from dataclasses import replace
 
+import numpy as np
 import orjson
 import shapely
 
-from semtopo.borders import BorderPiece, border_pieces
+from semtopo.borders import BorderPiece, PiecedBorder, border_pieces
 from semtopo.codec import Document, region_document, to_json, zone_feature, zones_in
-from semtopo.doorways import Doorway, Doorways
+from semtopo.doorways import Doorway, DoorwayKey, Doorways
 from semtopo.errors import InvalidMapError
 from semtopo.exports.chart import Chart
 from semtopo.geometry import Box, Region, polygonal
 from semtopo.graph import Passage
 from semtopo.mapper import MapState
+from semtopo.types import Occupancy
+
+NUMBER_MAX = 10_000
+"""Of a doorway that is read back: so many between two zones are no map."""
 
 
 def borders_body(state: MapState, box: Box | None = None, tolerance: float = 0.0) -> bytes:
@@ -58,13 +64,20 @@ def _doorway(doorway: Doorway, tolerance: float = 0.0) -> Document:
 def read_doorways(body: bytes) -> Doorways:
     """Read doorways back from `doorways_body`.
 
+    Where a number is missing, that one became part of another: which, the body does not tell, so it
+    is said to be the first between the same zones.
+
     Raises
     ------
     InvalidMapError
         The body is none that this module wrote.
     """
-    found = [_doorway_from(feature) for feature in _features(body)]
-    return Doorways({doorway.key: doorway for doorway in found})
+    known = {it.key: it for it in (_doorway_from(feature) for feature in _features(body))}
+    former: dict[DoorwayKey, DoorwayKey] = {}
+    for one, other, number in known:
+        before = [(one, other, lower) for lower in range(number)]
+        former.update({key: (one, other, 0) for key in before if key not in known})
+    return Doorways(known, former)
 
 
 def read_borders(body: bytes) -> list[Document]:
@@ -73,6 +86,29 @@ def read_borders(body: bytes) -> list[Document]:
     if any("occupancy" not in _properties(feature) for feature in found):
         raise InvalidMapError("these are not the borders of a map")
     return found
+
+
+def bordered(state: MapState, borders: Iterable[Document]) -> MapState:
+    """Return a map with the borders that `read_borders` read.
+
+    Raises
+    ------
+    InvalidMapError
+        They are not the borders of its zones.
+    """
+    pieces: dict[str, list[BorderPiece]] = {}
+    try:
+        for feature in borders:
+            about, (one, other, *more) = feature["properties"], feature["geometry"]["coordinates"]
+            line = np.array([one, other, *more], dtype=np.float64).reshape(-1, 2)
+            piece = BorderPiece(Occupancy[about["occupancy"].upper()], line)
+            pieces.setdefault(about["zone_id"], []).append(piece)
+        zones = dict(state.metric.zones)
+        for zone_id, found in pieces.items():
+            zones[zone_id] = replace(zones[zone_id], border=PiecedBorder.of(found))
+    except (LookupError, TypeError, ValueError, AttributeError) as error:
+        raise InvalidMapError("these are not the borders of the map") from error
+    return replace(state, metric=replace(state.metric, zones=zones))
 
 
 def _features(body: bytes) -> list[Document]:
@@ -97,7 +133,8 @@ def _doorway_from(feature: Document) -> Doorway:
         region = shapely.from_geojson(orjson.dumps(feature["geometry"]))
         one, other = about["ends"]
         seen = (int(about["since"]), int(about["seq"]))
-        doorway = Doorway((str(one), str(other)), int(about["number"]), polygonal(region), *seen)
+        number = range(NUMBER_MAX)[int(about["number"])]
+        doorway = Doorway((str(one), str(other)), number, polygonal(region), *seen)
     except (LookupError, TypeError, ValueError, shapely.errors.ShapelyError) as error:
         raise InvalidMapError("these are not the doorways of a map") from error
     return doorway
