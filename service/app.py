@@ -22,6 +22,7 @@ from semtopo.reading import prepare
 from service import problems
 from service.changes import Changes
 from service.database import Database, open_database
+from service.descriptors import connections_that_fit
 from service.edge import BodyLimit
 from service.example import make_example
 from service.feed import Feeds
@@ -89,6 +90,8 @@ def serve(settings: Settings) -> None:
     # to end when asked to is a success; uvicorn alone would let the signal end the process
     signal.signal(signal.SIGTERM, lambda *_: sys.exit(0))
     start_log(settings.log)
+    fitting = {"connections_max": connections_that_fit(settings.connections_max)}
+    settings = settings.model_copy(update=fitting)
     config = uvicorn.Config(
         create_app(settings, open_database(settings.database)),
         host=settings.host,

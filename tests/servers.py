@@ -34,6 +34,7 @@ class Server:
         self.log = folder / "server.log"
         self.port = free_port()
         self.client = httpx2.Client(base_url=f"http://127.0.0.1:{self.port}", timeout=30)
+        self.launcher: list[str] = []  # what starts the command, if not we ourselves
         self._settings = {f"SEMTOPO_{key.upper()}": str(it) for key, it in settings.items()}
         self._process: subprocess.Popen[bytes] | None = None
 
@@ -52,7 +53,15 @@ class Server:
         """Start, and wait until the server answers."""
         with self.log.open("ab") as log:
             self._process = subprocess.Popen(
-                [SEMTOPO, "serve", "--port", str(self.port), "--database", self.url],
+                [
+                    *self.launcher,
+                    SEMTOPO,
+                    "serve",
+                    "--port",
+                    str(self.port),
+                    "--database",
+                    self.url,
+                ],
                 stdout=log,
                 stderr=log,
                 env={**os.environ, **self._settings},

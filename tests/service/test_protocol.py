@@ -6,8 +6,10 @@ import json
 import re
 import select
 import socket
+import sys
 import threading
 import time
+from collections import Counter
 from collections.abc import Callable, Iterator
 from contextlib import ExitStack, suppress
 
@@ -270,31 +272,59 @@ def test_what_is_no_http_is_a_problem_too(
     assert connection.recv(1) == b""
 
 
+def count_answers(server: Server, connections: int) -> Counter[int]:
+    """Open so many connections at once, ask on each, and count the answers by status."""
+    with ExitStack() as opened:
+        crowd = [
+            opened.enter_context(socket.create_connection(("127.0.0.1", server.port), timeout=30))
+            for _ in range(connections)
+        ]
+        for connection in crowd:
+            with suppress(OSError):
+                connection.sendall(GET)
+        found: Counter[int] = Counter()
+        for connection in crowd:
+            with suppress(OSError):
+                found[int(connection.recv(65_536).split(b" ")[1])] += 1
+    return found
+
+
 def test_more_connections_than_there_may_be_are_refused(
     tmp_path_factory: pytest.TempPathFactory,
 ) -> None:
     server = Server(tmp_path_factory.mktemp("crowded"), connections_max=20)
     server.start()
     server.client.close()  # its own connection would count
-    with ExitStack() as opened:
-        connections = [
-            opened.enter_context(socket.create_connection(("127.0.0.1", server.port), timeout=30))
-            for _ in range(30)
-        ]
-        for connection in connections:
-            with suppress(OSError):
-                connection.sendall(GET)
-        heads = []
-        for connection in connections:
-            with suppress(OSError):
-                heads.append(connection.recv(65_536).partition(b"\r\n")[0])
-        assert heads.count(b"HTTP/1.1 200 OK") >= 19
-        assert (
-            heads.count(b"HTTP/1.1 200 OK") + heads.count(b"HTTP/1.1 503 Service Unavailable") > 20
-        )
+    found = count_answers(server, 30)
+    assert found.keys() <= {200, 503}
+    assert found[200] >= 19
+    assert found.total() > 20
     time.sleep(1)
     with socket.create_connection(("127.0.0.1", server.port), timeout=30) as again:
         again.sendall(GET)
         assert read_answers(again)[0][0] == 200
+    server.stop()
+    assert server.faults() == []
+
+
+LAUNCHER = """
+import os, resource, sys
+resource.setrlimit(resource.RLIMIT_NOFILE, (int(sys.argv[1]), int(sys.argv[2])))
+os.execv(sys.argv[3], sys.argv[3:])
+"""
+
+
+@pytest.mark.parametrize(("soft", "hard", "served"), [(100, 1_000, 300), (200, 200, 72)])
+def test_a_server_knows_how_many_descriptors_it_may_have(
+    tmp_path_factory: pytest.TempPathFactory, soft: int, hard: int, served: int
+) -> None:
+    server = Server(tmp_path_factory.mktemp("few"))
+    server.launcher = [sys.executable, "-c", LAUNCHER, str(soft), str(hard)]
+    server.start()
+    server.client.close()
+    found = count_answers(server, 300)
+    assert found.keys() <= {200, 503}
+    assert served - 2 <= found[200] <= served
+    assert ("at most 72 connections" in server.log.read_text()) == (served == 72)
     server.stop()
     assert server.faults() == []
