@@ -23,7 +23,7 @@ from benchmarks.table import Row, show
 
 MODULES = (
     "stages", "octave", "growth", "worlds", "routes", "dense_paths",
-    "http_steps", "durable_step", "reading", "many_sessions",
+    "http_steps", "durable_step", "reading", "memory", "many_sessions",
 )  # fmt: skip
 WIDTH = 180
 """Columns of text, where the output is no terminal."""

@@ -15,6 +15,7 @@ from pathlib import Path
 import orjson
 
 from benchmarks.load import Load, request_bytes, run
+from benchmarks.memory import held_mb
 from benchmarks.table import Row, Table
 from tests.servers import Server
 
@@ -29,12 +30,6 @@ SHARES = (0, 0.1, 0.3, 0.5, 0.7, 0.9, 1)
 """Shares of all steps after which to report."""
 
 CLIENTS = 16
-
-
-def resident_mb(server: Server) -> float:
-    """Return how much memory the server's process holds, in MB."""
-    lines = Path(f"/proc/{server.pid}/status").read_text().splitlines()
-    return next(int(line.split()[1]) / 1000 for line in lines if line.startswith("VmRSS"))
 
 
 def take_steps(server: Server, paths: list[str], numbers: range) -> Load:
@@ -67,7 +62,7 @@ def tables() -> Iterator[Table]:
 def _row(server: Server, when: str, load: Load | None = None) -> Row:
     stored = server.database.stat().st_size / 1e6
     return {
-        "after": when, "MB": f"{resident_mb(server):.0f}",
+        "after": when, "MB": f"{held_mb(server):.0f}",
         "steps a second": "" if load is None else f"{load.rate:.0f}",
         "p50, ms": "" if load is None else f"{load.percentile(0.5):.1f}",
         "p99, ms": "" if load is None else f"{load.percentile(0.99):.1f}",

@@ -29,6 +29,7 @@ from service.feed import Feeds
 from service.gate import KeyGate
 from service.journal import Journal, start_log
 from service.maps import Maps
+from service.memory import share_arena
 from service.metrics import Metrics
 from service.openapi import DescribedApi
 from service.page import add_page
@@ -87,6 +88,7 @@ def serve(settings: Settings) -> None:
     """
     if not (settings.keys or settings.open or _is_loopback(settings.host)):
         raise InvalidOptionError("beyond this machine, serve with --keys, or with --open to anyone")
+    share_arena()
     # to end when asked to is a success; uvicorn alone would let the signal end the process
     signal.signal(signal.SIGTERM, lambda *_: sys.exit(0))
     start_log(settings.log)
