@@ -27,12 +27,6 @@ class BorderPiece:
     occupancy: Occupancy
     line: Floats
 
-    def reduced(self, tolerance: float) -> BorderPiece:
-        """Return it with fewer points, none of its line farther away than the tolerance in m."""
-        line = shapely.LineString(self.line)
-        line = shapely.simplify(line, tolerance, preserve_topology=line.is_closed)  # else a dot
-        return BorderPiece(self.occupancy, shapely.get_coordinates(line))
-
 
 @dataclass(frozen=True, slots=True, eq=False)
 class PiecedBorder(Border):
@@ -61,14 +55,30 @@ def border_pieces(zone: MappedZone) -> tuple[BorderPiece, ...]:
     whole = zone if zone.core is None else zone.core
     width = 0.0 if zone.core is None else SETTLED * zone.core.tolerance
     rings = shapely.get_rings(shapely.get_parts(whole.region))
-    pieces = (
+    pieces = [
         piece
         for ring in rings
         for piece in _pieces(shapely.get_coordinates(ring), whole.border, width)
+    ]
+    return tuple(pieces if zone.core is None else reduced(pieces, zone.core.tolerance))
+
+
+def reduced(pieces: Sequence[BorderPiece], tolerance: float) -> list[BorderPiece]:
+    """Return pieces with fewer points, nothing of a line farther away than the tolerance in m."""
+    counts = [len(piece.line) for piece in pieces]
+    if not counts:
+        return []
+    points = np.concatenate([piece.line for piece in pieces])
+    lines = np.asarray(
+        shapely.linestrings(points, indices=np.repeat(np.arange(len(counts)), counts))
     )
-    if zone.core is None:
-        return tuple(pieces)
-    return tuple(piece.reduced(zone.core.tolerance) for piece in pieces)
+    closed = shapely.is_closed(lines)  # else one that is small would become a dot
+    for keep in (False, True):
+        chosen = closed == keep
+        lines[chosen] = shapely.simplify(lines[chosen], tolerance, preserve_topology=keep)
+    xy, index = shapely.get_coordinates(lines, return_index=True)
+    parts = np.split(xy, np.flatnonzero(np.diff(index)) + 1)
+    return [BorderPiece(one.occupancy, part) for one, part in zip(pieces, parts, strict=True)]
 
 
 def _pieces(ring: Floats, border: Border, width: float) -> Iterator[BorderPiece]:

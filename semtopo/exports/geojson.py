@@ -9,7 +9,7 @@ import numpy as np
 import orjson
 import shapely
 
-from semtopo.borders import BorderPiece, PiecedBorder, border_pieces
+from semtopo.borders import BorderPiece, PiecedBorder, border_pieces, reduced
 from semtopo.codec import Document, region_document, to_json, zone_feature, zones_in
 from semtopo.doorways import Doorway, DoorwayKey, Doorways
 from semtopo.errors import InvalidMapError
@@ -160,11 +160,11 @@ def border_features(
     state: MapState, box: Box | None = None, tolerance: float = 0.0
 ) -> list[Document]:
     """Return what `borders_body` holds."""
-    return [
-        _border(zone.zone_id, piece if tolerance == 0 else piece.reduced(tolerance))
-        for zone in zones_in(state, box)
-        for piece in border_pieces(zone)
-    ]
+    zones = zones_in(state, box)
+    found = [(zone.zone_id, piece) for zone in zones for piece in border_pieces(zone)]
+    pieces = [piece for _, piece in found]
+    drawn = reduced(pieces, tolerance) if tolerance else pieces
+    return [_border(zone_id, piece) for (zone_id, _), piece in zip(found, drawn, strict=True)]
 
 
 def _of_layer(layer: str, feature: Document) -> Document:

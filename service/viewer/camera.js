@@ -1,10 +1,11 @@
 /** Where a view looks: the place in its middle, and how many pixels a metre has. y points up. */
 
 const MARGIN = 24; // pixels around what is fitted
-const FOOT = 28; // pixels more below, where the legend is
 
 export class Camera {
-  constructor() {
+  /** @param {number} foot pixels more below, where a legend is */
+  constructor(foot = 0) {
+    this.foot = foot;
     this.x = 0;
     this.y = 0;
     this.scale = 40;
@@ -41,10 +42,10 @@ export class Camera {
     const width = Math.max(box[2] - box[0], 1e-9);
     const height = Math.max(box[3] - box[1], 1e-9);
     const across = Math.max(this.width - 2 * MARGIN, 10) / width;
-    const up = Math.max(this.height - 2 * MARGIN - FOOT, 10) / height;
+    const up = Math.max(this.height - 2 * MARGIN - this.foot, 10) / height;
     this.scale = Math.min(across, up, most);
     this.x = (box[0] + box[2]) / 2;
-    this.y = (box[1] + box[3]) / 2 - FOOT / 2 / this.scale;
+    this.y = (box[1] + box[3]) / 2 - this.foot / 2 / this.scale;
   }
 
   /** @param {number} x @param {number} y @returns {[number, number]} in pixels */

@@ -79,7 +79,8 @@ export class Stage {
     const now = performance.now();
     const resting = now - this.movedAt > REST_MS;
     const due = this.valid || now - this.takenAt > SHARE * this.cost;
-    if (!still && (this.cost <= CHEAP_MS || (resting && due))) this.take();
+    const take = !still && (this.cost <= CHEAP_MS || (resting && due));
+    if (take) this.take();
     else if (!still) this.rest();
     context.setTransform(ratio, 0, 0, ratio, 0, 0);
     const [x0, y0] = camera.toScreen(...this.taken.toMap(0, 0));
@@ -89,12 +90,15 @@ export class Stage {
       context.fillRect(0, 0, camera.width, camera.height);
     }
     context.drawImage(this.picture, x0, y0, x1 - x0, y1 - y0);
+    if (take) { // browsers put off the drawing until the picture is needed
+      this.takenAt = performance.now();
+      this.cost = this.takenAt - now;
+    }
     this.above(context, camera, ratio);
   }
 
   /** Draw the picture for where the camera is. */
   take() {
-    const began = performance.now();
     this.taken.wider(this.camera, MARGIN);
     const width = Math.round(this.taken.width * this.ratio);
     const height = Math.round(this.taken.height * this.ratio);
@@ -103,8 +107,6 @@ export class Stage {
     const context = /** @type {CanvasRenderingContext2D} */ (this.picture.getContext("2d", { alpha: false }));
     this.ground(context, this.taken, this.ratio);
     this.valid = true;
-    this.takenAt = performance.now();
-    this.cost = this.takenAt - began;
   }
 
   /** Look again, soon, whether it is to be drawn anew. */

@@ -2,7 +2,13 @@
 
 import { shortened } from "./labels.js";
 
-const SPACE = 26; // pixels between nodes
+const BESIDE = 12; // pixels between nodes side by side
+const BELOW = 24; // pixels between nodes one below the other
+const MARGIN = 24; // pixels around all of them
+const ROOMY = 4; // times the room that nodes need, above which they are drawn larger
+const LARGER_MAX = 2;
+const GROWTH = 1.1;
+const CROWDED = 0.15; // of the nodes may be too near to others before they are moved apart
 const STRETCH_MAX = 3; // of one axis against the other, so that the panel is filled
 const ROUNDS = 80;
 
@@ -22,18 +28,18 @@ export const HALF_HEIGHT = 15;
  * @param {{id: string, label: string}[]} nodes
  * @param {Map<string, import("./model.js").Zone>} zones
  * @param {(words: string) => number} measure width in pixels
- * @param {number} aspect width of the panel over its height
+ * @param {number} width of the panel in pixels @param {number} height
  * @returns {Map<string, Placed>}
  */
-export function layOut(nodes, zones, measure, aspect) {
+export function layOut(nodes, zones, measure, width, height) {
   /** @type {Placed[]} */
   const placed = nodes.map((node, number) => {
     const zone = zones.get(node.id);
     const words = shortened(node.label, 18);
     const [x, y] = zone ? [(zone.box[0] + zone.box[2]) / 2, (zone.box[1] + zone.box[3]) / 2] : [0, 0];
-    return { id: node.id, words, x, y, half: measure(words) / 2 + 14, number: zone?.number ?? number };
+    return { id: node.id, words, x, y, half: measure(words) / 2 + 10, number: zone?.number ?? number };
   });
-  spread(placed, aspect);
+  spread(placed, Math.max(width - 2 * MARGIN, 100), Math.max(height - 2 * MARGIN, 100));
   const homes = placed.map(({ x, y }) => [x, y]);
   for (let round = 0; round < ROUNDS; round += 1) {
     const moved = separate(placed);
@@ -47,20 +53,28 @@ export function layOut(nodes, zones, measure, aspect) {
   return new Map(placed.map((one) => [one.id, one]));
 }
 
-/** Scale the places so that the nodes have room and fill the panel. @param {Placed[]} placed @param {number} aspect */
-function spread(placed, aspect) {
-  const xs = placed.map((one) => one.x);
-  const ys = placed.map((one) => one.y);
-  const [left, low] = [least(xs), least(ys)];
-  const width = Math.max(-least(xs.map((x) => -x)) - left, 1e-9);
-  const height = Math.max(-least(ys.map((y) => -y)) - low, 1e-9);
-  const room = placed.reduce((sum, one) => sum + 2 * (one.half + SPACE) * 2 * (HALF_HEIGHT + SPACE), 0);
-  const stretch = Math.min(Math.max((aspect * height) / width, 1 / STRETCH_MAX), STRETCH_MAX);
-  const scale = Math.sqrt(room / Math.max(width * stretch * height, Math.max(width * stretch, height) ** 2 / 8));
-  for (const one of placed) {
-    // a golden spiral keeps nodes of one place apart, always in the same way
-    one.x = (one.x - left) * scale * stretch + Math.cos(one.number * 2.4) * 3;
-    one.y = (one.y - low) * scale + Math.sin(one.number * 2.4) * 3;
+/**
+ * Scale the places so that they fill the panel, and more where the nodes need more; the map is stretched for it.
+ * @param {Placed[]} placed @param {number} across the panel @param {number} up
+ */
+function spread(placed, across, up) {
+  const homes = placed.map(({ x, y }) => [x, y]);
+  const [left, low] = [least(homes.map(([x]) => x)), least(homes.map(([, y]) => y))];
+  const width = Math.max(-least(homes.map(([x]) => -x)) - left, 1e-9);
+  const height = Math.max(-least(homes.map(([, y]) => -y)) - low, 1e-9);
+  const room = placed.reduce((sum, one) => sum + (2 * one.half + BESIDE) * (2 * HALF_HEIGHT + BELOW), 0);
+  const most = placed.reduce((widest, one) => Math.max(widest, one.half), 0);
+  const larger = Math.sqrt((across * up) / (ROOMY * room));
+  const enough = Math.max(1, 1.3 * Math.sqrt(room / (across * up)));
+  for (let times = 1 / Math.min(Math.max(larger, 1), LARGER_MAX); ; times *= GROWTH) {
+    const [sx, sy] = [Math.max(times * across - 2 * most, 1) / width, Math.max(times * up - 2 * HALF_HEIGHT, 1) / height];
+    const [tx, ty] = [Math.min(sx, STRETCH_MAX * sy), Math.min(sy, STRETCH_MAX * sx)];
+    placed.forEach((one, n) => {
+      // a golden spiral keeps nodes of one place apart, always in the same way
+      one.x = (homes[n][0] - left) * tx + Math.cos(one.number * 2.4) * 3;
+      one.y = (homes[n][1] - low) * ty + Math.sin(one.number * 2.4) * 3;
+    });
+    if (times >= enough || neighbours(placed).length <= CROWDED * placed.length) break;
   }
 }
 
@@ -69,44 +83,53 @@ function least(values) {
   return values.reduce((a, b) => Math.min(a, b), Infinity);
 }
 
-/** Push apart nodes that are too near, by a grid of cells. @param {Placed[]} placed @returns {boolean} whether any was */
+/** Push apart nodes that are too near. @param {Placed[]} placed @returns {boolean} whether any was */
 function separate(placed) {
+  const near = neighbours(placed);
+  for (const [one, other] of near) push(one, other);
+  return near.length > 0;
+}
+
+/** Find nodes that are too near each other, by a grid of cells. @param {Placed[]} placed @returns {[Placed, Placed][]} */
+function neighbours(placed) {
   const widest = placed.reduce((most, one) => Math.max(most, one.half), 0);
-  const across = 2 * widest + SPACE;
-  const down = 2 * HALF_HEIGHT + SPACE;
+  const across = 2 * widest + BESIDE;
+  const down = 2 * HALF_HEIGHT + BELOW;
   /** @type {Map<string, Placed[]>} */
   const cells = new Map();
-  let moved = false;
+  /** @type {[Placed, Placed][]} */
+  const found = [];
   for (const one of placed) {
     const column = Math.floor(one.x / across);
     const row = Math.floor(one.y / down);
     for (let c = column - 1; c <= column + 1; c += 1) {
       for (let r = row - 1; r <= row + 1; r += 1) {
-        for (const other of cells.get(`${c} ${r}`) ?? []) moved = push(one, other) || moved;
+        for (const other of cells.get(`${c} ${r}`) ?? []) if (overlap(one, other).every((by) => by > 0)) found.push([one, other]);
       }
     }
     const key = `${column} ${row}`;
     if (cells.has(key)) cells.get(key)?.push(one);
     else cells.set(key, [one]);
   }
-  return moved;
+  return found;
+}
+
+/** @param {Placed} one @param {Placed} other @returns {[number, number]} in pixels across and up; both above 0 is too near */
+function overlap(one, other) {
+  return [one.half + other.half + BESIDE - Math.abs(one.x - other.x), 2 * HALF_HEIGHT + BELOW - Math.abs(one.y - other.y)];
 }
 
 /** @param {Placed} one @param {Placed} other */
 function push(one, other) {
-  const dx = one.x - other.x;
-  const dy = one.y - other.y;
-  const across = one.half + other.half + SPACE - Math.abs(dx);
-  const down = 2 * HALF_HEIGHT + SPACE - Math.abs(dy);
-  if (across <= 0 || down <= 0) return false;
+  const [across, down] = overlap(one, other);
+  if (across <= 0 || down <= 0) return; // it was moved already
   if (across < down) {
-    const by = (across / 2) * (dx < 0 ? -1 : 1);
+    const by = (across / 2) * (one.x < other.x ? -1 : 1);
     one.x += by;
     other.x -= by;
   } else {
-    const by = (down / 2) * (dy < 0 ? -1 : 1);
+    const by = (down / 2) * (one.y < other.y ? -1 : 1);
     one.y += by;
     other.y -= by;
   }
-  return true;
 }

@@ -1,5 +1,6 @@
 /** The topology graph on its canvas: a node for each zone, an arrow for each passage. */
 
+import { Bends, along, arrow, edgeOf } from "./arrows.js";
 import { Camera } from "./camera.js";
 import { Stage } from "./canvas.js";
 import { byId } from "./dom.js";
@@ -9,8 +10,8 @@ import { HALF_HEIGHT, layOut } from "./graphlayout.js";
 import { font } from "./labels.js";
 import { colour, shade } from "./palette.js";
 
-const BEND = 16; // pixels; the two directions of a pair bend to opposite sides
-const ARROW = 9;
+const LEGIBLE = 0.35; // of their size; smaller nodes have no name, and arrows no head
+const LARGER_MAX = 2.2; // where there is much room
 
 export class GraphView {
   /** @param {import("./session.js").Session} session */
@@ -20,12 +21,15 @@ export class GraphView {
     this.touched = false;
     /** @type {Map<string, import("./graphlayout.js").Placed>} */
     this.placed = new Map();
+    /** @type {Map<string, import("./model.js").Zone>} as they were seen last */
+    this.zones = new Map();
+    this.bends = new Bends(this.placed);
     const canvas = (this.canvas = byId("graph").cloneNode());
     byId("graph").replaceWith(canvas);
     this.stage = new Stage(canvas, this.camera,
       (context, camera, ratio) => this.drawGround(context, camera, ratio),
       (context, camera, ratio) => this.drawAbove(context, camera, ratio),
-      () => { if (!this.touched) this.fit(); });
+      () => { if (!this.touched) this.arrange(); });
     handle(canvas, this.camera, {
       moved: () => { this.touched = true; this.stage.move(); },
       fit: () => this.fit(),
@@ -43,26 +47,32 @@ export class GraphView {
 
   /** Lay out anew where there are other nodes than before. */
   changed() {
-    const { nodes } = this.session.state.graph;
-    const newest = new Map(this.session.state.moment.zones.map((zone) => [zone.id, zone]));
-    const known = nodes.every((node) => this.placed.has(node.id)) && nodes.length === this.placed.size;
-    if (!known && nodes.every((node) => newest.has(node.id))) {
-      const context = this.stage.context;
-      context.font = font(13);
-      this.placed = layOut(nodes, newest, (words) => context.measureText(words).width, this.camera.width / this.camera.height);
-      if (!this.touched) this.fit();
-    }
+    const nodes = this.session.graphShown().nodes;
+    if (!nodes.every((node) => this.placed.has(node.id))) this.arrange();
     const hint = byId("graph-hint");
     hint.hidden = nodes.length > 0;
     hint.textContent = "Each zone becomes a node, each passage an arrow.";
     this.stage.invalidate();
   }
 
+  /** Give each node of now, and of the moment that is shown, its place. */
+  arrange() {
+    const { graph, moment } = this.session.state;
+    for (const zone of moment.zones) this.zones.set(zone.id, zone);
+    const known = new Map([...graph.nodes, ...this.session.graphShown().nodes].map((node) => [node.id, node]));
+    const nodes = [...known.values()].filter((node) => this.zones.has(node.id));
+    const context = this.stage.context;
+    context.font = font(13);
+    this.placed = layOut(nodes, this.zones, (words) => context.measureText(words).width, this.camera.width, this.camera.height);
+    this.bends = new Bends(this.placed);
+    if (!this.touched) this.fit();
+  }
+
   fit() {
     const box = noBox();
     for (const { x, y, half } of this.placed.values()) growBox(box, [[x - half, y - HALF_HEIGHT], [x + half, y + HALF_HEIGHT]]);
     this.touched = false;
-    this.camera.fit(this.placed.size > 0 ? box : [-1, -1, 1, 1], 1.25 * this.camera.size);
+    this.camera.fit(this.placed.size > 0 ? box : [-1, -1, 1, 1], LARGER_MAX);
     this.stage.renew();
   }
 
@@ -70,12 +80,8 @@ export class GraphView {
   curve(edge) {
     const a = this.placed.get(edge.source);
     const b = this.placed.get(edge.target);
-    if (!a || !b) return null;
-    const length = Math.max(Math.hypot(b.x - a.x, b.y - a.y), 1e-9);
-    const bend = (BEND * (1 + edge.n)) / length;
-    /** @type {[number, number]} */
-    const middle = [(a.x + b.x) / 2 + (b.y - a.y) * bend * 1.4, (a.y + b.y) / 2 - (b.x - a.x) * bend * 1.4];
-    return [edgeOf(a, middle, 2), middle, edgeOf(b, middle, 4)];
+    const middle = this.bends.of(edge);
+    return a && b && middle ? [edgeOf(a, middle, 2), middle, edgeOf(b, middle, 4)] : null;
   }
 
   /** @param {number} px @param {number} py @returns {{kind: "zone" | "edge", id: string} | null} */
@@ -115,20 +121,40 @@ export class GraphView {
     context.fillRect(0, 0, camera.width, camera.height);
     turn(context, camera, ratio);
     const { nodes, edges } = this.session.graphShown();
-    for (const edge of edges) this.drawEdge(context, edge, false, false);
+    if (camera.scale < LEGIBLE) this.drawWeb(context, edges);
+    else for (const edge of edges) this.drawEdge(context, edge, false, false);
     for (const node of nodes) this.drawNode(context, node.id, false, false);
+  }
+
+  /** Draw arrows too small to be told apart, all at once. @param {CanvasRenderingContext2D} context @param {import("./model.js").Edge[]} edges */
+  drawWeb(context, edges) {
+    for (const closed of [false, true]) {
+      context.beginPath();
+      for (const edge of edges) {
+        const a = this.placed.get(edge.source);
+        const b = this.placed.get(edge.target);
+        if (!a || !b || Boolean(this.session.closing(edge)) !== closed) continue;
+        context.moveTo(a.x, -a.y);
+        context.lineTo(b.x, -b.y);
+      }
+      context.strokeStyle = colour(closed ? "bad" : "trail");
+      context.lineWidth = 0.8 / this.camera.scale;
+      context.stroke();
+    }
   }
 
   /** What is looked at or was asked for. @param {CanvasRenderingContext2D} context @param {Camera} camera @param {number} ratio */
   drawAbove(context, camera, ratio) {
     turn(context, camera, ratio);
-    const { hover, selected, answer, graph } = this.session.state;
+    const { hover, selected, answer } = this.session.state;
+    const graph = this.session.graphShown();
     const lit = new Set([hover, selected].filter((one) => one !== null).map((one) => `${one.kind} ${one.id}`));
     const onRoute = new Set(answer?.edges ?? []);
     const zones = new Set(answer?.zones ?? []);
     if (lit.size + onRoute.size + zones.size === 0) return;
-    const edges = graph.edges.filter((edge) => lit.has(`edge ${edge.key}`) || onRoute.has(edge.key));
-    for (const edge of edges) this.drawEdge(context, edge, lit.has(`edge ${edge.key}`), onRoute.has(edge.key));
+    const edges = graph.edges.filter((edge) => lit.has(`edge ${edge.key}`) || onRoute.has(edge.key) ||
+      lit.has(`zone ${edge.source}`) || lit.has(`zone ${edge.target}`));
+    for (const edge of edges) this.drawEdge(context, edge, !onRoute.has(edge.key), onRoute.has(edge.key));
     for (const missing of answer?.missingEdges ?? []) this.drawMissing(context, missing);
     const ends = new Set([...edges, ...(answer?.missingEdges ?? [])].flatMap((edge) => [edge.source, edge.target]));
     for (const { id } of graph.nodes) {
@@ -166,6 +192,11 @@ export class GraphView {
     const one = this.placed.get(id);
     if (!one) return;
     const { area, line, text } = shade(one.number);
+    if (this.camera.scale < LEGIBLE && !lit && !onRoute) {
+      context.fillStyle = line;
+      context.fillRect(one.x - one.half, -one.y - HALF_HEIGHT, 2 * one.half, 2 * HALF_HEIGHT);
+      return;
+    }
     context.beginPath();
     context.roundRect(one.x - one.half, -one.y - HALF_HEIGHT, 2 * one.half, 2 * HALF_HEIGHT, HALF_HEIGHT);
     context.fillStyle = area;
@@ -173,7 +204,7 @@ export class GraphView {
     context.strokeStyle = onRoute ? colour("route") : line;
     context.lineWidth = lit || onRoute ? 3 : 1.5;
     context.stroke();
-    if (this.camera.scale < 0.35) return; // too small to be read
+    if (this.camera.scale < LEGIBLE) return;
     context.font = font(13);
     context.textAlign = "center";
     context.textBaseline = "middle";
@@ -186,46 +217,4 @@ export class GraphView {
 function turn(context, camera, ratio) {
   const s = camera.scale * ratio;
   context.setTransform(s, 0, 0, s, (camera.width / 2) * ratio - camera.x * s, (camera.height / 2) * ratio + camera.y * s);
-}
-
-/** @param {[number, number][]} curve @param {number} t @returns {[number, number]} */
-function along([a, m, b], t) {
-  const u = 1 - t;
-  return [u * u * a[0] + 2 * u * t * m[0] + t * t * b[0], u * u * a[1] + 2 * u * t * m[1] + t * t * b[1]];
-}
-
-/** Where a line from the middle of a node to a place leaves its pill. @param {import("./graphlayout.js").Placed} node @param {[number, number]} to @param {number} gap @returns {[number, number]} */
-function edgeOf(node, to, gap) {
-  const dx = to[0] - node.x;
-  const dy = to[1] - node.y;
-  const core = node.half - HALF_HEIGHT;
-  const radius = HALF_HEIGHT + gap;
-  let far = 1;
-  let near = 0;
-  for (let round = 0; round < 14; round += 1) {
-    const t = (near + far) / 2;
-    const outside = Math.hypot(Math.max(Math.abs(dx * t) - core, 0), dy * t) > radius;
-    if (outside) far = t;
-    else near = t;
-  }
-  return [node.x + dx * far, node.y + dy * far];
-}
-
-/** @param {CanvasRenderingContext2D} context y points down here @param {[number, number][]} curve */
-function arrow(context, [start, middle, end]) {
-  const length = Math.max(Math.hypot(end[0] - middle[0], end[1] - middle[1]), 1e-9);
-  const ux = (end[0] - middle[0]) / length;
-  const uy = (end[1] - middle[1]) / length;
-  const base = [end[0] - ARROW * ux, end[1] - ARROW * uy];
-  context.beginPath();
-  context.moveTo(start[0], -start[1]);
-  context.quadraticCurveTo(middle[0], -middle[1], base[0], -base[1]);
-  context.stroke();
-  context.setLineDash([]);
-  context.beginPath();
-  context.moveTo(end[0], -end[1]);
-  context.lineTo(base[0] - uy * ARROW * 0.45, -(base[1] + ux * ARROW * 0.45));
-  context.lineTo(base[0] + uy * ARROW * 0.45, -(base[1] - ux * ARROW * 0.45));
-  context.closePath();
-  context.fill();
 }

@@ -3,7 +3,9 @@
 import { colour, shade } from "./palette.js";
 import { meet } from "./geometry.js";
 
-const SMALL = 48; // pixels; a smaller zone is drawn without details
+const SMALL = 48; // pixels; a smaller zone is drawn with few points
+const DETAIL = 8; // pixels; a smaller zone has no walls
+const FRONTIER = 14; // pixels
 
 /** @typedef {CanvasRenderingContext2D} Context */
 /** @typedef {import("./camera.js").Camera} Camera */
@@ -65,28 +67,39 @@ export function drawZones(context, camera, zones) {
   }
 }
 
-/** @param {Context} context @param {any[]} doorways */
-export function drawDoorways(context, doorways) {
+/** @param {Context} context @param {Camera} camera @param {any[]} doorways @param {number} seq those found by this step */
+export function drawDoorways(context, camera, doorways, seq) {
   context.fillStyle = colour("passage-soft");
-  for (const doorway of doorways) context.fill(doorway.path, "evenodd");
+  for (const { since, box, path } of doorways) {
+    if (since <= seq && meet(box, camera.window)) context.fill(path, "evenodd");
+  }
 }
 
-/** @type {["obstacle" | "passage" | "free", string, number, number[]][]} what is drawn how: colour, pixels, dashes */
-const BORDERS = [["obstacle", "wall", 2, []], ["passage", "passage", 3, []], ["free", "frontier", 1.75, [4, 5]]];
-
-/** @param {Context} context @param {Camera} camera @param {import("./model.js").Zone[]} zones @param {Map<string, import("./model.js").Borders>} borders */
-export function drawBorders(context, camera, zones, borders) {
+/**
+ * Walls, passages and frontiers. A frontier that is no longer than a few pixels is a gap between two
+ * beams, and nothing that could be told from the wall around it: it is left out until one looks nearer.
+ * @param {Context} context @param {Camera} camera @param {import("./model.js").Zone[]} zones @param {import("./walls.js").Walls} walls
+ */
+export function drawBorders(context, camera, zones, walls) {
   const { pixel, window } = camera;
-  const seen = zones.filter((zone) => borders.has(zone.id) && extent(camera, zone) > SMALL / 2 && meet(zone.box, window));
+  const thin = Math.min(Math.max(camera.scale / 30, 0.5), 1); // lines of what is small
+  const seen = zones.filter((zone) => extent(camera, zone) > DETAIL && meet(zone.box, window));
+  const borders = seen.map((zone) => walls.of(zone)).filter((one) => one !== undefined);
   context.lineCap = "round";
   context.lineJoin = "round";
-  for (const [kind, name, width, dashes] of BORDERS) {
-    context.strokeStyle = colour(name);
-    context.lineWidth = width * pixel;
-    context.setLineDash(dashes.map((dash) => dash * pixel));
-    for (const zone of seen) context.stroke(/** @type {any} */ (borders.get(zone.id))[kind]);
+  context.lineWidth = 1.75 * thin * pixel;
+  context.strokeStyle = colour("frontier");
+  context.setLineDash([5 * pixel, 4 * pixel]);
+  for (const { free } of borders) {
+    for (const [length, path] of free) if (length * camera.scale > FRONTIER) context.stroke(path);
   }
   context.setLineDash([]);
+  context.lineWidth = 2 * thin * pixel;
+  context.strokeStyle = colour("wall");
+  for (const { obstacle } of borders) context.stroke(obstacle);
+  context.lineWidth = 3 * thin * pixel;
+  context.strokeStyle = colour("passage");
+  for (const { passage } of borders) context.stroke(passage);
 }
 
 /** @param {Context} context @param {Camera} camera @param {[number, number, number][]} poses @param {number} first @param {number} count up to this step */

@@ -8,18 +8,23 @@ import { handle } from "./gestures.js";
 import { drawLabels } from "./labels.js";
 import * as layers from "./layers.js";
 import { colour, shade } from "./palette.js";
+import { Walls } from "./walls.js";
 
+const LEGEND = 28; // pixels
 const HIT_PIXELS = 10;
 const BEHIND_MAX = 3; // steps; older beams are none of where the robot is
-const PLAIN_MAX = 250; // more zones in sight are drawn plain
+const PLAIN_MAX = 250; // so many have no passage points where they are small
 const LAYERS = { walls: "Walls, passages, frontiers", beams: "Beams", trail: "Trail", names: "Names", world: "The simulated world" };
 
 export class MapView {
   /** @param {import("./session.js").Session} session @param {(x: number, y: number) => void} driveTo @param {(event: KeyboardEvent) => boolean} driveKey */
   constructor(session, driveTo, driveKey) {
     this.session = session;
-    this.camera = new Camera();
-    this.fitted = false;
+    this.camera = new Camera(LEGEND);
+    this.walls = new Walls((rest, signal) => session.get(rest, signal), () => this.stage.invalidate());
+    this.touched = false;
+    this.box = noBox();
+    this.walked = 0;
     this.driveTo = driveTo;
     /** @type {Record<keyof typeof LAYERS, boolean>} */
     this.shown = { walls: true, beams: true, trail: true, names: true, world: false };
@@ -28,7 +33,7 @@ export class MapView {
     this.stage = new Stage(canvas, this.camera,
       (context, camera, ratio) => this.drawGround(context, camera, ratio),
       (context, camera, ratio) => this.drawAbove(context, camera, ratio),
-      () => { if (!this.fitted) this.fit(); });
+      () => { if (!this.touched) this.fit(); });
     handle(canvas, this.camera, {
       moved: () => this.moved(),
       fit: () => this.fit(),
@@ -40,21 +45,20 @@ export class MapView {
     byId("map-out").onclick = () => { this.camera.zoom(1 / 1.4); this.moved(); };
     byId("map-fit").onclick = () => this.fit();
     this.buildMenu();
-    session.store.on(["moment", "poses", "seq", "at", "restrictions", "world", "driving", "graph"], () => this.changed());
+    session.store.on(["moment", "exact", "poses", "seq", "at", "restrictions", "world", "driving", "graph"], () => this.changed());
     session.store.on(["hover", "selected", "answer"], () => this.stage.refresh());
   }
 
   moved() {
-    this.fitted = true;
+    this.touched = true;
     this.stage.move();
-    this.wantDetails();
+    this.wantWalls();
   }
 
-  /** Ask for walls and doorways where zones are large enough to show them. */
-  wantDetails() {
-    const { zones } = this.state.moment;
-    const { window } = this.camera;
-    if (zones.length <= PLAIN_MAX || zones.filter((zone) => meet(zone.box, window)).length <= PLAIN_MAX) this.session.wantDetails();
+  /** Ask for walls and doorways of what is in sight. */
+  wantWalls() {
+    const { moment, exact, at } = this.state;
+    if (exact || at === null) this.walls.want(moment, at === null, this.camera, this.extent());
   }
 
   get state() {
@@ -74,32 +78,34 @@ export class MapView {
 
   changed() {
     const { moment, poses, driving, world } = this.state;
-    if (!this.fitted || !this.seen) this.fit();
+    const box = this.extent();
+    if (!this.touched && String(box) !== String(this.fittedTo)) this.fit();
     this.canvas.classList.toggle("driving", driving);
     const hint = byId("map-hint");
     hint.hidden = moment.zones.length > 0 || poses.length > 0;
     hint.textContent = world
       ? "Nothing is explored yet. Press Drive, then click where the robot should begin."
       : "Nothing is explored yet. The map begins with the first scan that the robot sends.";
-    this.wantDetails();
+    this.wantWalls();
     this.stage.invalidate();
   }
 
-  /** @returns {import("./geometry.js").Box} */
+  /** @returns {import("./geometry.js").Box} all that was seen so far: going back in time does not make it less */
   extent() {
     const { moment, poses, world, driving } = this.state;
-    const box = noBox();
-    for (const zone of moment.zones) growBox(box, [[zone.box[0], zone.box[1]], [zone.box[2], zone.box[3]]]);
-    for (const pose of poses) if (pose) growBox(box, [[pose[0], pose[1]]]);
+    for (const { box } of moment.zones) growBox(this.box, [[box[0], box[1]], [box[2], box[3]]]);
+    for (; this.walked < poses.length && poses[this.walked]; this.walked += 1) growBox(this.box, [/** @type {any} */ (poses[this.walked])]);
+    const box = /** @type {import("./geometry.js").Box} */ (this.box.slice());
     if (world && (isEmpty(box) || driving || this.shown.world)) growBox(box, [[world.box[0], world.box[1]], [world.box[2], world.box[3]]]);
     return isEmpty(box) ? [-5, -5, 5, 5] : box;
   }
 
   fit() {
-    this.seen = this.state.moment.zones.length > 0 || this.state.world !== null;
-    this.camera.fit(this.extent());
-    this.fitted = false;
+    this.fittedTo = this.extent();
+    this.camera.fit(this.fittedTo);
+    this.touched = false;
     this.stage.renew();
+    this.wantWalls();
   }
 
   /** @param {KeyboardEvent} event @param {(event: KeyboardEvent) => boolean} driveKey */
@@ -155,14 +161,14 @@ export class MapView {
   /** What changes only with the map. @param {CanvasRenderingContext2D} context @param {Camera} camera @param {number} ratio */
   drawGround(context, camera, ratio) {
     const { shown } = this;
-    const { moment, poses, world, driving } = this.state;
+    const { moment, poses, world, driving, exact, at } = this.state;
     layers.drawGround(context, camera, ratio);
     camera.apply(context, ratio);
     if (world && (shown.world || driving)) layers.drawWorld(context, camera, world);
     layers.drawZones(context, camera, moment.zones);
-    if (moment.doorways) layers.drawDoorways(context, moment.doorways);
-    if (shown.walls && moment.borders) layers.drawBorders(context, camera, moment.zones, moment.borders);
     this.drawn = this.session.shown;
+    if (exact || at === null) layers.drawDoorways(context, camera, this.walls.doorways, this.drawn);
+    if (shown.walls && (exact || at === null || moment.zones.length <= PLAIN_MAX)) layers.drawBorders(context, camera, moment.zones, this.walls);
     if (shown.trail) layers.drawTrail(context, camera, poses, 0, this.drawn);
     this.drawPassages(context, camera, false);
     context.setTransform(ratio, 0, 0, ratio, 0, 0);

@@ -94,7 +94,12 @@ export function graphOf(body) {
   };
 }
 
-/** @typedef {Record<"obstacle" | "passage" | "free", Path2D>} Borders */
+/**
+ * @typedef {object} Borders of a zone
+ * @property {Path2D} obstacle
+ * @property {Path2D} passage
+ * @property {Map<number, Path2D>} free by their length in m, up to a power of two
+ */
 
 /**
  * Gather the lines of each zone by what they are.
@@ -102,22 +107,39 @@ export function graphOf(body) {
  * @returns {Map<string, Borders>} by the id of the zone
  */
 export function bordersOf(body) {
+  /** @type {Map<string, Borders>} */
   const all = new Map();
-  for (const feature of body.features) {
-    const { zone_id: id, occupancy } = feature.properties;
-    if (!all.has(id)) all.set(id, { obstacle: new Path2D(), passage: new Path2D(), free: new Path2D() });
-    const path = all.get(id)[occupancy];
-    feature.geometry.coordinates.forEach((/** @type {[number, number]} */ [x, y], /** @type {number} */ n) =>
-      n === 0 ? path.moveTo(x, y) : path.lineTo(x, y));
+  for (const { properties, geometry } of body.features) {
+    const { zone_id: id, occupancy } = properties;
+    const borders = all.get(id) ?? { obstacle: new Path2D(), passage: new Path2D(), free: new Map() };
+    all.set(id, borders);
+    draw(occupancy === "free" ? ofLength(borders.free, geometry.coordinates) : borders[occupancy], geometry.coordinates);
   }
   return all;
 }
 
+/** @param {Path2D} path @param {import("./geometry.js").Point[]} line */
+function draw(path, line) {
+  path.moveTo(...line[0]);
+  for (const [x, y] of line) path.lineTo(x, y);
+}
+
+/** @param {Map<number, Path2D>} paths @param {import("./geometry.js").Point[]} line @returns {Path2D} that for lines of such a length */
+function ofLength(paths, line) {
+  let length = 0;
+  line.forEach(([x, y], n) => { if (n > 0) length += Math.hypot(x - line[n - 1][0], y - line[n - 1][1]); });
+  const most = 2 ** Math.ceil(Math.log2(Math.max(length, 1e-3)));
+  const path = paths.get(most) ?? new Path2D();
+  paths.set(most, path);
+  return path;
+}
+
 /** @param {any} body of /doorways */
 export function doorwaysOf(body) {
-  return body.features.map((/** @type {any} */ feature) => ({
-    ends: feature.properties.ends, since: feature.properties.since, path: pathOf(ringsOf(feature.geometry)),
-  }));
+  return body.features.map((/** @type {any} */ { properties, geometry }) => {
+    const rings = ringsOf(geometry);
+    return { ends: properties.ends, since: properties.since, box: growBox(noBox(), rings.flat()), path: pathOf(rings) };
+  });
 }
 
 /** @param {any} world of /world @returns {{obstacle: Path2D, space: Path2D, passage: Path2D, box: import("./geometry.js").Box}} */

@@ -1,6 +1,6 @@
 /** Maps as they were at steps: those that were read are kept for a while, and zones shared among them. */
 
-import { bordersOf, doorwaysOf, zonesOf } from "./model.js";
+import { zonesOf } from "./model.js";
 
 const KEPT = 60;
 
@@ -9,37 +9,22 @@ const KEPT = 60;
  * @property {number} seq
  * @property {import("./model.js").Zone[]} zones
  * @property {any} [sight] what the robot saw
- * @property {Map<string, import("./model.js").Borders>} [borders]
- * @property {any[]} [doorways]
  */
 
 export class Moments {
   /** @param {(rest: string, signal?: AbortSignal) => Promise<any>} get */
   constructor(get) {
     this.get = get;
-    this.detailed = false;
     /** @type {Map<string, import("./model.js").Zone>} by step of change and id */
     this.known = new Map();
     /** @type {Map<number, Moment>} the one that was used last is the last */
     this.kept = new Map();
   }
 
-  /** Read walls and doorways too, from now on. @returns {boolean} whether it was not so before */
-  wantDetails() {
-    if (this.detailed) return false;
-    this.detailed = true;
-    this.kept.clear();
-    return true;
-  }
-
   /** @param {string} query the step, or nothing for the newest @param {AbortSignal} [signal] @returns {Promise<Moment>} */
   async read(query, signal) {
-    const parts = this.detailed ? ["/zones", "/scan", "/borders", "/doorways"] : ["/zones", "/scan"];
-    const [zones, sight, borders, doorways] = await Promise.all(parts.map((part) => this.get(part + query, signal)));
-    const moment = {
-      seq: zones.seq, zones: zonesOf(zones, this.known), sight,
-      ...(borders ? { borders: bordersOf(borders), doorways: doorwaysOf(doorways) } : {}),
-    };
+    const [zones, sight] = await Promise.all(["/zones", "/scan"].map((part) => this.get(part + query, signal)));
+    const moment = { seq: zones.seq, zones: zonesOf(zones, this.known), sight };
     this.kept.set(moment.seq, moment);
     this.forget();
     return moment;

@@ -95,11 +95,6 @@ export class Session {
     }
   }
 
-  /** Read walls and doorways too, from now on: of a thousand zones they are many megabytes. */
-  wantDetails() {
-    if (this.state.session !== null && this.moments.wantDetails()) this.go(this.state.at);
-  }
-
   async readTrail() {
     for (let after = 0; after !== null; ) {
       const page = await this.get(`/trail?after=${after}`);
