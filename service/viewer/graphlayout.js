@@ -11,6 +11,7 @@ const GROWTH = 1.1;
 const CROWDED = 0.15; // of the nodes may be too near to others before they are moved apart
 const STRETCH_MAX = 3; // of one axis against the other, so that the panel is filled
 const ROUNDS = 80;
+const MOVES_MAX = 20_000; // of nodes, so that many are laid out quickly, too
 
 /**
  * @typedef {object} Placed
@@ -41,7 +42,7 @@ export function layOut(nodes, zones, measure, width, height) {
   });
   spread(placed, Math.max(width - 2 * MARGIN, 100), Math.max(height - 2 * MARGIN, 100));
   const homes = placed.map(({ x, y }) => [x, y]);
-  for (let round = 0; round < ROUNDS; round += 1) {
+  for (let round = 0; round < Math.min(ROUNDS, MOVES_MAX / placed.length); round += 1) {
     const moved = separate(placed);
     placed.forEach((one, n) => {
       one.x += (homes[n][0] - one.x) * 0.02;
@@ -64,9 +65,10 @@ function spread(placed, across, up) {
   const height = Math.max(-least(homes.map(([, y]) => -y)) - low, 1e-9);
   const room = placed.reduce((sum, one) => sum + (2 * one.half + BESIDE) * (2 * HALF_HEIGHT + BELOW), 0);
   const most = placed.reduce((widest, one) => Math.max(widest, one.half), 0);
-  const larger = Math.sqrt((across * up) / (ROOMY * room));
-  const enough = Math.max(1, 1.3 * Math.sqrt(room / (across * up)));
-  for (let times = 1 / Math.min(Math.max(larger, 1), LARGER_MAX); ; times *= GROWTH) {
+  const full = Math.sqrt(room / (across * up)); // times the panel that would be just filled
+  const enough = Math.max(1, 1.3 * full);
+  const first = Math.min(Math.max(Math.sqrt(ROOMY) * full, 1 / LARGER_MAX), 1);
+  for (let times = Math.max(first, 0.8 * full); ; times *= GROWTH) {
     const [sx, sy] = [Math.max(times * across - 2 * most, 1) / width, Math.max(times * up - 2 * HALF_HEIGHT, 1) / height];
     const [tx, ty] = [Math.min(sx, STRETCH_MAX * sy), Math.min(sy, STRETCH_MAX * sx)];
     placed.forEach((one, n) => {

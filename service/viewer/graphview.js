@@ -122,7 +122,7 @@ export class GraphView {
     turn(context, camera, ratio);
     const { nodes, edges } = this.session.graphShown();
     if (camera.scale < LEGIBLE) this.drawWeb(context, edges);
-    else for (const edge of edges) this.drawEdge(context, edge, false, false);
+    else for (const edge of edges) this.drawEdge(context, edge, 1.6, false);
     for (const node of nodes) this.drawNode(context, node.id, false, false);
   }
 
@@ -154,7 +154,7 @@ export class GraphView {
     if (lit.size + onRoute.size + zones.size === 0) return;
     const edges = graph.edges.filter((edge) => lit.has(`edge ${edge.key}`) || onRoute.has(edge.key) ||
       lit.has(`zone ${edge.source}`) || lit.has(`zone ${edge.target}`));
-    for (const edge of edges) this.drawEdge(context, edge, !onRoute.has(edge.key), onRoute.has(edge.key));
+    for (const edge of edges) this.drawEdge(context, edge, lit.has(`edge ${edge.key}`) ? 4 : 2.5, onRoute.has(edge.key));
     for (const missing of answer?.missingEdges ?? []) this.drawMissing(context, missing);
     const ends = new Set([...edges, ...(answer?.missingEdges ?? [])].flatMap((edge) => [edge.source, edge.target]));
     for (const { id } of graph.nodes) {
@@ -162,15 +162,15 @@ export class GraphView {
     }
   }
 
-  /** @param {CanvasRenderingContext2D} context @param {import("./model.js").Edge} edge @param {boolean} lit @param {boolean} onRoute */
-  drawEdge(context, edge, lit, onRoute) {
+  /** @param {CanvasRenderingContext2D} context @param {import("./model.js").Edge} edge @param {number} width @param {boolean} onRoute */
+  drawEdge(context, edge, width, onRoute) {
     const curve = this.curve(edge);
     if (!curve) return;
     const closed = this.session.closing(edge);
     const source = this.placed.get(edge.source);
     context.strokeStyle = onRoute ? colour("route") : closed ? colour("bad") : shade(source?.number ?? 0).line;
     context.fillStyle = context.strokeStyle;
-    context.lineWidth = lit || onRoute ? 3.5 : 1.6;
+    context.lineWidth = onRoute ? Math.max(width, 3.5) : width;
     context.setLineDash(closed ? [3, 5] : []);
     arrow(context, curve);
     context.setLineDash([]);
