@@ -1,34 +1,31 @@
 """Doorways: the ground between two zones, which belongs to neither.
 
 A zone ends where a passage begins. What is known to be free is therefore the zones *and* the ground
-of the passages that beams have crossed. In come the intervals of a scan; out go the pieces of
-doorways that it shows, and what is known of each doorway, grown scan by scan. This room knows zones
-by their names alone.
+of the passages that beams have crossed. In come the pieces that a scan shows; out goes what is
+known of each doorway, grown scan by scan. This room knows zones by their names alone.
 """
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Iterator, Mapping, Sequence
+from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import dataclass, field, replace
 from typing import TypeAlias
 
 import numpy as np
 import shapely
 
-from semtopo.geometry import NO_AREA, Polygons, Region, apart, union
-from semtopo.scan import Scan
-from semtopo.strips import Strips
-from semtopo.types import NOWHERE, Flags, Floats, Integers, SeenName
+from semtopo.crossings import DOORWAY_OVERLAP, pieces_of
+from semtopo.geometry import NO_AREA, TOUCH, Polygons, Region, apart, union
+from semtopo.types import Flags, Floats
 
-DOORWAY_OVERLAP = 0.05
-"""m; so far a doorway reaches into the zones on both sides, where they are as deep. So its union
-with them is in one piece, in spite of rounding, of borders seen from elsewhere, and where the zones
-touch without a passage between (R5). What it reaches into was seen to be free, too."""
+DOORWAY_REACH = 0.01
+"""m; a piece changes a known doorway if the way across, from zone to zone, leads further out. From
+each place one sees slightly more of a jamb; without a limit, a doorway would change with every
+step. So much is lost of a doorway on each side, and a robot must still fit through."""
 
-DOORWAY_REACH = 0.02
-"""m; a piece changes a known doorway if a corner of it lies further out. From each place one sees
-slightly more of a jamb; without a limit, a doorway would change with every step. So much is lost of
-a doorway on each side, and a robot must still fit through."""
+DOORWAY_DEPTH = 0.04
+"""m; and so much further a piece may reach into a zone: less than DOORWAY_OVERLAP, so that what is
+known of the doorway overlaps with the zone there, too."""
 
 Ends: TypeAlias = tuple[str, str]
 """The zone ids at both ends of a doorway, the lesser first."""
@@ -38,26 +35,6 @@ DoorwayKey: TypeAlias = tuple[str, str, int]
 
 
 NO_PIECES: Floats = np.empty((0, 4, 2))
-
-
-@dataclass(frozen=True, slots=True, eq=False)
-class SeenDoorways:
-    """Pieces of doorways that one scan shows between two zones, by their names in the scan.
-
-    A piece is the quadrilateral between neighbouring beams that both went from `source` through one
-    passage, or directly, to `target`: `corners` (n, 4, 2) in m, map frame. `entered` (n,) are the
-    places, among the strips of the scan, of those that the beams entered there.
-    """
-
-    source: SeenName
-    target: SeenName
-    corners: Floats
-    entered: Integers
-    strips: Strips
-
-    def ground(self, chosen: Flags) -> Polygons:
-        """Return what the beams of the chosen pieces entered of the target."""
-        return self.strips.polygons(self.entered[chosen])
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -146,50 +123,6 @@ class Doorways(Mapping[DoorwayKey, Doorway]):
         return [door for key, door in self.known.items() if older.known.get(key) is not door]
 
 
-def seen_doorways(strips: Strips, owner: Integers, names: Sequence[SeenName]) -> list[SeenDoorways]:
-    """Return the pieces of doorways of a scan, by target and source.
-
-    `owner` says of each interval in which of the zones it lies, whose names are given, or `NOWHERE`
-    (intervals,). A piece lies between two strips of zones that follow on the same two beams.
-    """
-    entered = strips.entering()
-    if len(entered) == 0:
-        return []
-    left, right, size = strips.left, strips.right, len(strips.scan.intervals)
-    source, target = owner[left[entered] - 1], owner[left[entered]]
-    codes = left * size + right  # they ascend
-    before = codes[entered] - size - 1
-    known = codes[np.searchsorted(codes, before)] == before  # there is one that is not below
-    known &= (source != NOWHERE) & (target != NOWHERE)
-    entered, pairs = entered[known], (target * len(names) + source)[known]
-    if len(entered) == 0:
-        return []
-    corners = _corners(strips.scan, left[entered], right[entered])
-    return [
-        SeenDoorways(
-            names[pair % len(names)], names[pair // len(names)],
-            corners[pairs == pair], entered[pairs == pair], strips,
-        )
-        for pair in sorted(set(pairs.tolist()))
-    ]  # fmt: skip
-
-
-def pieces_of(corners: Floats) -> Polygons:
-    """Return the pieces with corners (n, 4, 2)."""
-    return np.asarray(shapely.polygons(corners), dtype=np.object_)
-
-
-def _corners(scan: Scan, left: Integers, right: Integers) -> Floats:
-    """Return the corners (n, 4, 2) of the pieces before intervals on neighbouring beams."""
-    near, far = scan.intervals.near, scan.intervals.far
-    places = np.concatenate([left - 1, left, right, right - 1])
-    outwards = np.repeat([False, True, True, False], len(left))
-    inner = np.maximum(far[places] - DOORWAY_OVERLAP, near[places])
-    outer = np.minimum(near[places] + DOORWAY_OVERLAP, far[places])
-    points = scan.points(places, np.where(outwards, outer, inner))
-    return points.reshape(4, -1, 2).swapaxes(0, 1)
-
-
 def ends_of(one: str, other: str) -> Ends:
     """Return two zone ids as the ends of a doorway: the lesser first."""
     return (one, other) if one <= other else (other, one)
@@ -217,16 +150,33 @@ def _keys(
 
 
 def _fresh(corners: Floats, near: list[Doorway]) -> Floats:
-    """Return the pieces, by their corners, that reach beyond each of some doorways."""
+    """Return all pieces, by their corners, if one reaches beyond each of some doorways; else none.
+
+    Where a doorway changes it takes in all that the scan shows of it, and so it changes less often.
+    """
+    new = corners
     for door in near:
-        xy = corners.reshape(-1, 2)
-        within = shapely.contains_xy(door.region, xy)
-        if not within.all():
-            within[~within] = shapely.dwithin(
-                door.region, shapely.points(xy[~within]), DOORWAY_REACH
-            )
-        corners = corners[~within.reshape(-1, 4).all(axis=1)]
-    return corners
+        deep = _reaches_beyond(door.region, new, DOORWAY_DEPTH)
+        new = new[deep | _reaches_beyond(door.region, _across(new), DOORWAY_REACH)]
+    return corners if len(new) else new
+
+
+def _reaches_beyond(region: Region, corners: Floats, reach: float) -> Flags:
+    """Say of pieces (n, 4, 2) whether a corner is further than so much, in m, from a region."""
+    xy = corners.reshape(-1, 2)
+    within = shapely.contains_xy(region, xy)
+    if not within.all():
+        within[~within] = shapely.dwithin(region, shapely.points(xy[~within]), reach)
+    beyond: Flags = np.logical_not(within.reshape(-1, 4).all(axis=1))
+    return beyond
+
+
+def _across(corners: Floats) -> Floats:
+    """Return pieces (n, 4, 2) without what reaches into the zones on both sides."""
+    ways = corners[:, [1, 0, 3, 2]] - corners  # along the beams: from corner 0 to 1, and 3 to 2
+    lengths = np.maximum(np.hypot(ways[..., 0], ways[..., 1]), TOUCH)[..., np.newaxis]
+    across: Floats = corners + ways * np.minimum(DOORWAY_OVERLAP / lengths, 0.5)
+    return across
 
 
 def _arrive(

@@ -12,7 +12,8 @@ from dataclasses import replace
 import numpy as np
 import shapely
 
-from semtopo.doorways import ends_of, pieces_of
+from semtopo.crossings import pieces_of
+from semtopo.doorways import ends_of
 from semtopo.geometry import Polygons, nearest_point, union
 from semtopo.graph import (
     Event,

@@ -16,7 +16,7 @@ from functools import partial
 import numpy as np
 import shapely
 
-from semtopo.doorways import SeenDoorways, seen_doorways
+from semtopo.crossings import SeenDoorways, seen_doorways
 from semtopo.fusion import within
 from semtopo.geometry import (
     Box,

@@ -17,7 +17,7 @@ ROOT = Path(__file__).parents[1]
 LAYERS = [
     {"errors"}, {"types"}, {"geometry", "window"},
     {"fusion", "inset", "triangulation", "world"}, {"taut"}, {"bottleneck"}, {"freespace"},
-    {"sensor"}, {"scan"}, {"runs", "strips"}, {"doorways"}, {"zones"}, {"core"},
+    {"sensor"}, {"scan"}, {"runs", "strips"}, {"crossings"}, {"doorways"}, {"zones"}, {"core"},
     {"metric"}, {"placement"},
     {"borders", "graph"}, {"findings"}, {"mapper"},
     {"atlas", "expectations", "grammar", "likeness", "questions"},
