@@ -64,7 +64,6 @@ sessions = Table(
     Column("owner", RowNumber, ForeignKey("api_keys.number")),  # none: made without a key
     Column("name", Text, nullable=False),
     Column("created_at", Text, nullable=False),  # ISO 8601, UTC
-    Column("world", Text),  # JSON; none for a real robot
     Column("sensor", Text, nullable=False),  # JSON
     Column("mapping", Text, nullable=False),  # JSON
     Column("engine", Text, nullable=False),  # version of the code that began the map
@@ -74,6 +73,13 @@ sessions = Table(
     CheckConstraint("revision >= 0", name="revision"),
     Index("ix_sessions_owner_number", "owner", "number"),
     sqlite_autoincrement=True,  # a number is never used again
+)
+
+worlds = Table(
+    "worlds",  # apart, since SQLite writes a row as a whole, and each step changes its session's
+    metadata,
+    _session_column(),
+    Column("world", Text, nullable=False),  # JSON
 )
 
 creations = Table(

@@ -8,7 +8,7 @@ from sqlalchemy import Connection, bindparam, delete, insert, select, update
 from sqlalchemy.exc import SQLAlchemyError
 
 from service.statements import Statement, find, run
-from service.tables import sessions
+from service.tables import sessions, worlds
 
 _ADVANCE = Statement(
     update(sessions)
@@ -40,7 +40,7 @@ class SessionHead:
 class SessionRow(SessionHead):
     """A session as it is stored; world, sensor and mapping are JSON.
 
-    `revision` is the number of changes that are no steps.
+    A real robot's has no world. `revision` is the number of changes that are no steps.
     """
 
     owner: int | None
@@ -67,15 +67,17 @@ class NewSession:
 
 def add_session(connection: Connection, new: NewSession) -> int:
     """Store a new session, with an empty map; return its number."""
-    values = {name: getattr(new, name) for name in NewSession.__slots__}
+    values = {name: getattr(new, name) for name in NewSession.__slots__ if name != "world"}
     made = connection.execute(insert(sessions).values(version=0, **values))
     (number,) = made.inserted_primary_key or (0,)
+    if new.world is not None:
+        connection.execute(insert(worlds).values(session=number, world=new.world))
     return int(number)
 
 
 def find_session(connection: Connection, session_id: str) -> SessionRow | None:
     """Return a session, or `None` if there is none of that id."""
-    query = select(sessions).where(sessions.c.id == session_id)
+    query = select(sessions, worlds.c.world).outerjoin(worlds).where(sessions.c.id == session_id)
     row = connection.execute(query).mappings().one_or_none()
     return None if row is None else SessionRow(**row)
 

@@ -13,6 +13,8 @@ from pathlib import Path
 
 import pytest
 
+from service import store
+from service.database import open_database
 from tests.servers import Server
 from tests.service.twin import paper_steps, paper_world
 
@@ -77,3 +79,22 @@ def test_a_step_is_on_disk_before_it_is_answered(own_server: Server, tmp_path: P
             assert not dirty, f"step {answered} was answered before it was on disk"
             written = 0
     assert answered == STEPS
+
+
+def test_a_step_writes_no_world(tmp_path: Path) -> None:
+    """SQLite writes a row as a whole where its size changes, as a growing number does."""
+    grown = {}
+    for size in (100, 1_000_000):
+        file = tmp_path / f"{size}.db"
+        database = open_database(f"sqlite:///{file}")
+        new = store.NewSession("id", "name", "2026", "w" * size, "{}", "{}", "0")
+        with database.writer.begin() as connection:
+            session = store.add_session(connection, new)
+        log = file.with_name(f"{file.name}-wal")
+        before = log.stat().st_size
+        for version in range(130):
+            with database.writer.begin() as connection:
+                assert store.advance(connection, session, version)
+        grown[size] = log.stat().st_size - before
+        database.close()
+    assert grown[100] == grown[1_000_000] > 0

@@ -16,6 +16,7 @@ from alembic.migration import MigrationContext
 from sqlalchemy import insert, inspect, text
 from sqlalchemy.exc import DBAPIError
 
+from service import store
 from service.database import Database, migrate, migration_config, open_database
 from service.tables import metadata, passages, sessions, zones
 from tests.service.twin import ROOT
@@ -184,7 +185,23 @@ def test_alembic_at_the_command_line_finds_its_settings(url: str) -> None:
         check=False,
     )
     assert done.returncode == 0, done.stderr
-    assert "0004 (head)" in done.stdout
+    assert "0005 (head)" in done.stdout
+
+
+def test_worlds_of_an_older_database_stay(database: Database) -> None:
+    with database.writer.begin() as connection:
+        command.downgrade(migration_config(connection), "0004")
+        connection.execute(insert(sessions).values(SESSION))
+        connection.execute(insert(sessions).values(SESSION | {"id": "b"}))
+        connection.execute(text("UPDATE sessions SET world = 'w' WHERE id = 'b'"))
+    for _ in range(2):  # there, and back, and there again
+        migrate(database.writer)
+        with database.writer.begin() as connection:
+            found = {it: store.find_session(connection, it) for it in "ab"}
+            assert {it: row and row.world for it, row in found.items()} == {"a": None, "b": "w"}
+            command.downgrade(migration_config(connection), "0004")
+            kept = connection.execute(text("SELECT id, world FROM sessions ORDER BY id")).all()
+            assert [tuple(row) for row in kept] == [("a", None), ("b", "w")]
 
 
 def test_passages_of_an_older_database_stay(database: Database) -> None:

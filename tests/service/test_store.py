@@ -69,7 +69,7 @@ def long_run() -> tuple[MapState, ...]:
 
 
 def new(session_id: str = "one", **changed: str) -> NewSession:
-    values = {"name": "n", "created_at": "2026", "world": None, "sensor": "{}", "mapping": "{}"}
+    values = {"name": "n", "created_at": "2026", "world": "{}", "sensor": "{}", "mapping": "{}"}
     return NewSession(**{"id": session_id, "engine": "0", **values, **changed})  # type: ignore[arg-type]
 
 
