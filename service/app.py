@@ -25,7 +25,7 @@ from service.database import Database, open_database
 from service.descriptors import connections_that_fit
 from service.edge import BodyLimit
 from service.example import make_example
-from service.feed import Feeds
+from service.feeds import Feeds
 from service.gate import KeyGate
 from service.journal import Journal, start_log
 from service.maps import Maps

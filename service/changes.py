@@ -26,7 +26,7 @@ from service.errors import (
     UnknownPassageError,
     UnknownRestrictionError,
 )
-from service.feed import Feeds
+from service.feeds import Feeds
 from service.hot import HotSession
 from service.notes import (
     LIFTED,

@@ -1,4 +1,4 @@
-"""The command `semtopo`: map a drive, ask about a map, serve over HTTP.
+"""The command `semtopo`: map a drive, ask about a map, write it for other programs.
 
 Bad input of any sort gives exit status 2 and one line on stderr, never a traceback.
 """
@@ -8,7 +8,6 @@ from __future__ import annotations
 import io
 import sys
 from collections.abc import Iterable
-from enum import StrEnum
 from importlib.metadata import version
 from pathlib import Path
 from time import perf_counter
@@ -25,6 +24,7 @@ from semtopo.exports import EXPORTS, RADIUS_MAX, Format
 from semtopo.formats.fault import describe_fault
 from semtopo.sensor import Sensor
 from semtopo.types import Edges, Identity, MappingOptions, Passages, Sensing
+from service import console
 from service.folder import read_chart, read_folder
 from service.mapping_run import (
     Drive,
@@ -41,19 +41,12 @@ BAD_INPUT = 2
 INTERRUPTED = 130  # 128 + SIGINT, as shells have it
 
 
-class KeyAction(StrEnum):
-    """What can be done with API keys."""
-
-    ADD = "add"
-    LIST = "list"
-    REVOKE = "revoke"
-
-
 app = typer.Typer(
     help="Semantic and topological maps for robots: zones, a graph and routes.",
     add_completion=False,
     pretty_exceptions_enable=False,
 )
+app.add_typer(console.app)
 
 
 def main() -> None:
@@ -213,59 +206,3 @@ def export(
         typer.echo(content, nl=False)
     else:
         file.write_bytes(content)
-
-
-@app.command()
-def serve(
-    *,
-    host: Annotated[str | None, typer.Option(show_default="127.0.0.1")] = None,
-    port: Annotated[int | None, typer.Option(show_default="8000")] = None,
-    database: Annotated[str | None, typer.Option(help="URL, as SQLAlchemy writes it.")] = None,
-    example: Annotated[Path | None, typer.Option(help="Folder of world.json and path.csv.")] = None,
-    keys: Annotated[bool, typer.Option("--keys", help="Ask every request for an API key.")] = False,
-    is_open: Annotated[bool, typer.Option("--open", help="Serve other machines without.")] = False,
-) -> None:
-    """Serve maps over HTTP. What is not given here is read from SEMTOPO_... variables."""
-    # FastAPI and SQLAlchemy take a second to import, which `map` and `route` need not wait for.
-    from service.app import serve as serve_forever  # noqa: PLC0415
-    from service.settings import Settings  # noqa: PLC0415
-
-    given: dict[str, Any] = {
-        "host": host, "port": port, "database": database, "example": example,
-        "keys": keys or None, "open": is_open or None,
-    }  # fmt: skip
-    serve_forever(Settings(**{name: value for name, value in given.items() if value is not None}))
-
-
-@app.command()
-def keys(
-    action: Annotated[KeyAction, typer.Argument()],
-    name: Annotated[str, typer.Argument(help="Whose key; not for `list`.")] = "",
-    *,
-    database: Annotated[str | None, typer.Option(help="URL, as SQLAlchemy writes it.")] = None,
-) -> None:
-    """Make, revoke or list API keys. A new key is shown this once."""
-    from service.key_desk import add, listed, revoke  # noqa: PLC0415 -- as for `serve`
-
-    match action:
-        case KeyAction.ADD:
-            typer.echo(add(database, name))
-        case KeyAction.REVOKE:
-            revoke(database, name)
-        case KeyAction.LIST:
-            for line in listed(database):
-                typer.echo(line)
-
-
-@app.command()
-def backup(
-    file: Annotated[Path, typer.Argument(help="A new file.", show_default=False)],
-    *,
-    database: Annotated[str | None, typer.Option(help="URL, as SQLAlchemy writes it.")] = None,
-) -> None:
-    """Copy a SQLite database into FILE, also while it is served. For PostgreSQL, use pg_dump."""
-    from service.backup import back_up  # noqa: PLC0415 -- as for `serve`
-    from service.settings import Settings  # noqa: PLC0415
-
-    size = back_up(Settings().database if database is None else database, file)
-    typer.echo(f"{file}: {size} bytes")

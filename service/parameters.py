@@ -15,7 +15,7 @@ from semtopo.documents import COORDINATE_MAX, LABEL_LENGTH_MAX
 from semtopo.geometry import Box
 from service.changes import Changes
 from service.errors import InvalidRequestError
-from service.feed import Feeds
+from service.feeds import Feeds
 from service.maps import Maps
 from service.pictures import Pictures
 from service.schemas.steps import SEQ_MAX

@@ -17,7 +17,7 @@ from semtopo.codec import step_document, to_json
 from service import store
 from service.clock import now
 from service.errors import BusyError, StorageError
-from service.feed import Feeds
+from service.feeds import Feeds
 from service.hot import HotSession, entity_tag
 from service.metrics import Metrics
 from service.recording import Computed, Recorded, Replayed, StepRequest, record

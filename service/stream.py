@@ -14,7 +14,8 @@ from fastapi.sse import KEEPALIVE_COMMENT, format_sse_event
 from starlette.types import Receive, Scope, Send
 
 from service.errors import InvalidRequestError, StorageError
-from service.feed import Ending, Feed, Feeds
+from service.feed import Ending, Feed
+from service.feeds import Feeds
 from service.schemas.steps import SEQ_MAX
 from service.store import Moment
 

@@ -16,7 +16,7 @@ from sqlalchemy import Connection
 from semtopo.codec import zones_body
 from service.database import open_database
 from service.errors import StorageError
-from service.feed import Feeds
+from service.feeds import Feeds
 from service.maps import Maps
 from service.metrics import Metrics
 from service.recording import StepRequest
