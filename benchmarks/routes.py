@@ -25,12 +25,12 @@ import shapely
 
 from benchmarks.table import Row, Table
 from semtopo.atlas import Atlas
+from semtopo.fusion import Extent
 from semtopo.graph import Node, Passage, TopologyGraph
 from semtopo.mapper import MapState
 from semtopo.metric import MappedZone, MetricMap
 from semtopo.route import Place, RouteRequest, find_routes
 from semtopo.types import Point
-from semtopo.zones import Border
 
 SIDE = 100  # zones
 QUERIES = 40
@@ -75,9 +75,8 @@ def make_grid(side: int, random: Random) -> Grid:
                 point = (x + (dx or at), y + (dy or at))
                 ways = [Passage(zone, other, point, 1), Passage(other, zone, point, 1)]
                 passages += ways if random.random() < TWO_WAY else [random.choice(ways)]
-    border = Border(np.empty((0, 2)), np.empty(0, np.uint8))
     mapped = {
-        name: MappedZone(name, name, shapely.box(x, y, x + 1, y + 1), border, 1, 1)
+        name: MappedZone(name, name, Extent.of(shapely.box(x, y, x + 1, y + 1)), 1, 1)
         for (x, y), name in names.items()
     }
     nodes = {name: Node(name, name, 1) for name in mapped}

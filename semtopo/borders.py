@@ -8,13 +8,14 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
+from itertools import pairwise
 
 import numpy as np
 import shapely
 
+from semtopo.border import Border
 from semtopo.metric import MappedZone
 from semtopo.types import Bytes, Floats, Occupancy
-from semtopo.zones import Border
 
 SETTLED = 20
 """Tolerances; over so long a stretch, a reduced border has one occupancy."""
@@ -35,30 +36,32 @@ class PiecedBorder(Border):
     pieces: tuple[BorderPiece, ...]
 
     @classmethod
-    def of(cls, pieces: Sequence[BorderPiece]) -> PiecedBorder:
-        """Return the border of at least one piece."""
-        lengths = [len(piece.line) for piece in pieces]
-        occupancy = np.repeat(np.array([it.occupancy for it in pieces], np.uint8), lengths)
-        return cls(np.concatenate([piece.line for piece in pieces]), occupancy, tuple(pieces))
+    def of_pieces(cls, border: Border, pieces: Sequence[BorderPiece]) -> PiecedBorder:
+        """Return a border of which these pieces are known."""
+        return cls(border.xy, border.begins, border.marks, tuple(pieces))
+
+    @property
+    def is_known(self) -> bool:
+        """Whether anything is known of the border."""
+        return len(self.pieces) > 0
 
 
 def border_pieces(zone: MappedZone) -> tuple[BorderPiece, ...]:
     """Return the border of a zone in pieces, ring by ring; together they are all of it.
 
-    The side between two border points has the lesser of their occupancies: what lies between a wall
-    and the end of sight was not seen. Without any border point on a side, it is FREE. Where borders
-    are reduced (R17), the pieces are those of the core, each reduced to the tolerance; what is
-    shorter than a few tolerances goes with what is around it.
+    What is there, is known from the scans, side by side (see `sector`); where nothing is known, it
+    is FREE. Where borders are reduced (R17), the pieces are those of the core, each reduced to the
+    tolerance; what is shorter than a few tolerances goes with what is around it.
     """
     if isinstance(zone.border, PiecedBorder):
         return zone.border.pieces
-    whole = zone if zone.core is None else zone.core
+    border = zone.border if zone.core is None else zone.core.border
     width = 0.0 if zone.core is None else SETTLED * zone.core.tolerance
-    rings = shapely.get_rings(shapely.get_parts(whole.region))
+    sides = np.maximum(border.sides, Occupancy.FREE)
     pieces = [
         piece
-        for ring in rings
-        for piece in _pieces(shapely.get_coordinates(ring), whole.border, width)
+        for first, end in pairwise(border.begins.tolist())
+        for piece in _pieces(border.xy[first:end], sides[first : end - 1], width)
     ]
     return tuple(pieces if zone.core is None else reduced(pieces, zone.core.tolerance))
 
@@ -81,9 +84,11 @@ def reduced(pieces: Sequence[BorderPiece], tolerance: float) -> list[BorderPiece
     return [BorderPiece(one.occupancy, part) for one, part in zip(pieces, parts, strict=True)]
 
 
-def _pieces(ring: Floats, border: Border, width: float) -> Iterator[BorderPiece]:
-    """Yield the pieces of a closed ring (n, 2), from one change of occupancy to the next."""
-    sides = _side_occupancies(ring, border)
+def _pieces(ring: Floats, sides: Bytes, width: float) -> Iterator[BorderPiece]:
+    """Yield the pieces of a closed ring (n, 2), from one change of occupancy to the next.
+
+    `sides` (n - 1,) are the occupancies of its sides.
+    """
     if width > 0:
         sides = _settled(sides, np.hypot(*np.diff(ring, axis=0).T), width)
     (changes,) = np.nonzero(sides != np.roll(sides, 1))
@@ -113,13 +118,3 @@ def _settled(sides: Bytes, lengths: Floats, width: float) -> Bytes:
         shares.append(other - one)
     most: Bytes = np.argmax(shares, axis=0).astype(np.uint8)
     return most
-
-
-def _side_occupancies(ring: Floats, border: Border) -> Bytes:
-    """Return the occupancy of each side of a closed ring (n, 2): n - 1 of them."""
-    known = dict(zip(map(tuple, border.xy.tolist()), border.occupancy.tolist(), strict=True))
-    nothing = int(Occupancy.NONE)
-    claims = np.array([known.get(tuple(xy), nothing) for xy in ring.tolist()], dtype=np.uint8)
-    one, other = claims[:-1], claims[1:]
-    both = np.where(one == nothing, other, np.where(other == nothing, one, np.minimum(one, other)))
-    return np.where(both == nothing, np.uint8(Occupancy.FREE), both).astype(np.uint8)

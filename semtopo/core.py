@@ -9,14 +9,17 @@ the error does not grow with the number of steps, and the core stops growing onc
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import cached_property
 
 import shapely
 
-from semtopo.fusion import box_around, fuse
+from semtopo.border import Border
+from semtopo.fusion import Extent, fuse
 from semtopo.geometry import Region, polygonal
-from semtopo.zones import Border
+from semtopo.sector import Sector
+from semtopo.traced import traced
 
 RIM = 0.25
 """Share of the tolerance by which scans may go beyond the core; the rest is for the border."""
@@ -24,24 +27,33 @@ RIM = 0.25
 
 @dataclass(frozen=True, eq=False)
 class Core:
-    """What is known of a zone's extent before its border is reduced, and its border points.
+    """What is known of a zone's extent before its border is reduced.
 
     `tolerance` is in m, above 0.
     """
 
-    region: Region
-    border: Border
+    extent: Extent
     tolerance: float
 
-    def grown(self, region: Region, border: Border) -> Core:
-        """Return the core with a region taken in, or itself where that lies within the rim."""
-        if self.rim.covers(region):
+    @property
+    def region(self) -> Region:
+        """The extent of the core in m, map frame."""
+        return self.extent.region
+
+    @property
+    def border(self) -> Border:
+        """The border of the core."""
+        return self.extent.border
+
+    def grown(self, seen: Extent, sectors: Sequence[Sector] = ()) -> Core:
+        """Return the core with another extent taken in, or itself where that lies within the rim.
+
+        If there are `sectors`, they are what the other consists of.
+        """
+        if self.rim.covers(seen.region):
             return self
-        fused = fuse(self.region, region)
-        if fused is self.region:
-            return self
-        around = self.border.updated(border, fused, box_around(region))
-        return Core(fused, around, self.tolerance)
+        fused = fuse(self.extent, seen, sectors)
+        return self if fused is self.extent else Core(fused, self.tolerance)
 
     @cached_property
     def rim(self) -> Region:
@@ -50,10 +62,11 @@ class Core:
         shapely.prepare(wide)
         return wide
 
-    def reduced(self) -> tuple[Region, Border]:
-        """Return the region with as few vertices as the tolerance allows, and its border points."""
+    def reduced(self) -> Extent:
+        """Return the extent with as few vertices as the tolerance allows."""
         chord = (1 - RIM) * self.tolerance
         region = polygonal(shapely.simplify(self.region, chord, preserve_topology=False))
         if region.is_empty or not region.is_valid:
             region = polygonal(shapely.simplify(self.region, chord))
-        return region, self.border.on(region)
+        turned: Region = shapely.orient_polygons(region)
+        return Extent(turned, traced(turned, [self.border]))

@@ -14,7 +14,7 @@ from numpy.typing import NDArray
 from shapely import MultiPolygon, Polygon
 from shapely.geometry.base import BaseGeometry
 
-from semtopo.types import Flags, Floats, Integers, Point
+from semtopo.types import Complexes, Floats, Point
 
 Region: TypeAlias = Polygon | MultiPolygon
 Polygons: TypeAlias = NDArray[np.object_]
@@ -107,31 +107,6 @@ def count_vertices(region: Region) -> int:
     return int(shapely.get_num_coordinates(region))
 
 
-class Vertices:
-    """Places that can be found again, to the last bit: `xy` (n, 2) in m, each once."""
-
-    def __init__(self, xy: Floats) -> None:
-        """Sort the places by a key of their own."""
-        keys = _keys(xy)
-        self._keys, first = np.unique(keys, return_index=True)
-        self.xy: Floats = xy[first]
-
-    def find(self, points: Floats) -> tuple[Flags, Integers]:
-        """Say of each of (n, 2) points whether it is one of the places, and which."""
-        place = np.searchsorted(self._keys, _keys(points))
-        if len(self._keys) == 0:
-            return np.zeros(len(points), dtype=np.bool_), place
-        place[place == len(self._keys)] = 0
-        same = self.xy[place] == points
-        return same[:, 0] & same[:, 1], place
-
-
-def _keys(xy: Floats) -> NDArray[np.uint64]:
-    """Return a number for each of (n, 2) points; two points share one by a chance of 2**-64."""
-    bits = np.ascontiguousarray(xy + 0.0).view(np.uint64)  # + 0.0: zero has one sign
-    return bits[:, 0] * np.uint64(0x9E3779B97F4A7C15) + bits[:, 1]
-
-
-def as_complex(points: Floats) -> np.ndarray[tuple[int], np.dtype[np.complex128]]:
+def as_complex(points: Floats) -> Complexes:
     """Return (..., 2) points as a row of complex numbers: a point can be compared as one value."""
     return np.ascontiguousarray(points, dtype=np.float64).view(np.complex128).reshape(-1)

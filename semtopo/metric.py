@@ -10,12 +10,13 @@ from collections.abc import Mapping
 from dataclasses import dataclass, field, replace
 from types import MappingProxyType
 
+from semtopo.border import Border
 from semtopo.core import Core
 from semtopo.doorways import Doorways
-from semtopo.fusion import box_around, fuse
+from semtopo.fusion import Extent, fuse
 from semtopo.geometry import Region
 from semtopo.types import SeenName
-from semtopo.zones import Border, SensorMap, Zone
+from semtopo.zones import SensorMap, Zone
 
 
 @dataclass(frozen=True, slots=True, eq=False, weakref_slot=True)
@@ -24,16 +25,25 @@ class MappedZone:
 
     `zone_id` is the instance, `label` the class; with one zone for each label (R14) they are the
     same word. `since` is the step that found the zone, `seq` the last step that changed it. With a
-    tolerance, region and border are made from the `core` (R17).
+    tolerance, the extent is made from the `core` (R17).
     """
 
     zone_id: str
     label: str
-    region: Region
-    border: Border
+    extent: Extent
     since: int
     seq: int
     core: Core | None = None
+
+    @property
+    def region(self) -> Region:
+        """The extent of the zone in m, map frame."""
+        return self.extent.region
+
+    @property
+    def border(self) -> Border:
+        """The border of the region."""
+        return self.extent.border
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -95,25 +105,22 @@ def here_first(sensor_map: SensorMap) -> list[Zone]:
 
 
 def _new(zone_id: str, seen: Zone, seq: int, tolerance: float) -> MappedZone:
-    zone = MappedZone(zone_id, seen.label, seen.region, seen.border, since=seq, seq=seq)
-    return _around(zone, Core(seen.region, seen.border, tolerance), seq) if tolerance > 0 else zone
+    zone = MappedZone(zone_id, seen.label, seen.extent, since=seq, seq=seq)
+    return _around(zone, Core(seen.extent, tolerance), seq) if tolerance > 0 else zone
 
 
 def _grown(known: MappedZone, seen: Zone | MappedZone, seq: int, tolerance: float) -> MappedZone:
     """Return a known zone with another fused in (Alg. 3, l. 5-7 and 16-18; R12)."""
+    sectors = seen.sectors if isinstance(seen, Zone) else ()
     if tolerance > 0:
-        core = known.core or Core(known.region, known.border, tolerance)
+        core = known.core or Core(known.extent, tolerance)
         other = (isinstance(seen, MappedZone) and seen.core) or seen
-        grown = core.grown(other.region, other.border)
+        grown = core.grown(other.extent, sectors)
         return known if grown is core else _around(known, grown, seq)
-    region = fuse(known.region, seen.region)
-    if region is known.region:
-        return known
-    border = known.border.updated(seen.border, region, box_around(seen.region))
-    return replace(known, region=region, border=border, seq=seq)
+    extent = fuse(known.extent, seen.extent, sectors)
+    return known if extent is known.extent else replace(known, extent=extent, seq=seq)
 
 
 def _around(zone: MappedZone, core: Core, seq: int) -> MappedZone:
-    """Return a zone whose region and border are made from a core."""
-    region, border = core.reduced()
-    return replace(zone, region=region, border=border, core=core, seq=seq)
+    """Return a zone whose extent is made from a core."""
+    return replace(zone, extent=core.reduced(), core=core, seq=seq)

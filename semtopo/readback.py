@@ -5,22 +5,21 @@ from __future__ import annotations
 from collections.abc import Mapping
 from typing import Any
 
-import numpy as np
 import orjson
 import shapely
 
 from semtopo.errors import InvalidMapError
+from semtopo.fusion import Extent
 from semtopo.geometry import Region
 from semtopo.graph import Node, Passage, TopologyGraph
 from semtopo.mapper import MapState
 from semtopo.metric import MappedZone, MetricMap
-from semtopo.zones import Border
 
 
 def read_map(zones: bytes, graph: bytes) -> MapState:
     """Read a map back from its two bodies.
 
-    Border points are no part of the bodies: those of the result are empty.
+    What is known of borders is no part of the bodies: nothing is in the result.
 
     Raises
     ------
@@ -60,7 +59,5 @@ def _zone_from(feature: Mapping[str, Any]) -> MappedZone:
     if not isinstance(region, Region):
         raise InvalidMapError("a zone is no polygon")
     about = feature["properties"]
-    no_border = Border(np.empty((0, 2)), np.empty(0, dtype=np.uint8))
-    return MappedZone(
-        feature["id"], about["label"], region, no_border, since=about["since"], seq=about["seq"]
-    )
+    extent = Extent.of(region)
+    return MappedZone(feature["id"], about["label"], extent, about["since"], about["seq"])

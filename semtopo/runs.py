@@ -13,6 +13,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from semtopo.errors import InvalidScanError
+from semtopo.fan import Fan
 from semtopo.scan import Runs, Scan, beam_rule
 from semtopo.types import Floats, Kind, Pose
 
@@ -119,8 +120,8 @@ def from_runs(pose: Pose, seen: LabelledRuns) -> Scan:
         first=np.array(columns[3], dtype=np.float64),
         last=np.array(columns[4], dtype=np.float64),
     )
-    directions = seen.directions(pose.theta)
-    return Scan(pose.position, directions, seen.ring, tuple(numbers), beam_rule(runs))
+    fan = Fan(seen.directions(pose.theta), seen.ring)
+    return Scan(pose.position, fan, tuple(numbers), beam_rule(runs))
 
 
 def _check_radii(beam: int, radii: Sequence[float], range_max: float) -> None:

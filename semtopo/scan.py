@@ -13,6 +13,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from semtopo.fan import Fan
 from semtopo.sensor import Measurement, Trace
 from semtopo.types import NOWHERE, Bytes, Flags, Floats, Integers, Kind, Occupancy, Point
 
@@ -44,21 +45,21 @@ class Intervals:
 class Scan:
     """What one scan says about the spaces around the robot (U_r).
 
-    `directions` (beams, 2) are unit vectors, in order of bearing; `ring` says whether the last
-    beam is a neighbour of the first. `labels` are what the label indices stand for. In an `exact`
-    scan, intervals end where surfaces do (R16).
+    `fan` holds the beams, in order of bearing. `labels` are what the label indices stand for. In an
+    `exact` scan, intervals end where surfaces do (R16); else a surface may be farther by a
+    `quantum` in m, the distance between samples.
     """
 
     position: Point
-    directions: Floats
-    ring: bool
+    fan: Fan
     labels: tuple[str, ...]
     intervals: Intervals
     exact: bool = False
+    quantum: float = 0.0
 
     def points(self, intervals: Integers | Flags | slice, radii: Floats) -> Floats:
         """Return the points (n, 2) at distances on the beams of the chosen intervals, in m."""
-        directions = self.directions[self.intervals.beam[intervals]]
+        directions = self.fan.directions[self.intervals.beam[intervals]]
         return np.asarray(self.position) + radii[:, None] * directions
 
     def near_points(self, intervals: Integers | Flags | slice = slice(None)) -> Floats:
@@ -75,7 +76,7 @@ class Scan:
         That is the last point of its last interval. A beam without any ends at the robot, for no
         reason: NONE.
         """
-        beams = np.arange(len(self.directions))
+        beams = np.arange(len(self.fan))
         last = np.searchsorted(self.intervals.beam, beams, side="right") - 1
         (seen,) = np.nonzero(np.isin(beams, self.intervals.beam))
         ends = np.tile(np.asarray(self.position, dtype=np.float64), (len(beams), 1))
@@ -157,8 +158,8 @@ def analyse(measurement: Measurement | Trace) -> Scan:
     else:
         runs, exact = _sampled_runs(measurement), False
     return Scan(
-        measurement.position, sensor.directions, ring=True, labels=surfaces.labels,
-        intervals=beam_rule(runs), exact=exact,
+        measurement.position, sensor.fan, surfaces.labels, beam_rule(runs), exact=exact,
+        quantum=0.0 if exact else sensor.range / sensor.samples,
     )  # fmt: skip
 
 

@@ -12,6 +12,7 @@ from dataclasses import dataclass, field
 import numpy as np
 
 from semtopo.errors import InvalidPoseError, InvalidSensorError
+from semtopo.fan import Fan
 from semtopo.types import Bytes, Floats, Integers, Point
 from semtopo.window import Offsets
 from semtopo.world import Surfaces, World
@@ -27,8 +28,8 @@ NO_LENGTH = 1e-12
 class Sensor:
     """A ring of evenly spaced beams U_s = (u_sD, u_sR, u_sQ), each sampled at equal distances.
 
-    `range` is in m. `directions` (beams, 2) are unit vectors, beam 0 along +y and the others
-    clockwise from it (R1); `radii` (samples,) are the distances of the samples in m, and
+    `range` is in m. The `fan` holds the beams, beam 0 along +y and the others clockwise from it
+    (R1); `radii` (samples,) are the distances of the samples in m, and
     `offsets` say where all of them lie from the robot, beam by beam.
 
     Raises
@@ -40,7 +41,7 @@ class Sensor:
     beams: int = 72
     range: float = 2.0
     samples: int = 20
-    directions: Floats = field(init=False, repr=False, compare=False)
+    fan: Fan = field(init=False, repr=False, compare=False)
     radii: Floats = field(init=False, repr=False, compare=False)
     offsets: Offsets = field(init=False, repr=False, compare=False)
 
@@ -55,7 +56,7 @@ class Sensor:
         bearing = 2 * np.pi * np.arange(self.beams) / self.beams  # R1
         directions = np.stack([np.sin(bearing), np.cos(bearing)], axis=-1)
         radii = np.arange(1, self.samples + 1) * self.range / self.samples
-        object.__setattr__(self, "directions", directions)
+        object.__setattr__(self, "fan", Fan(directions, ring=True))
         x, y = (radii * directions[:, None, axis] for axis in (0, 1))
         object.__setattr__(self, "radii", radii)
         object.__setattr__(self, "offsets", Offsets.of(x.ravel(), y.ravel(), self.range))
@@ -130,7 +131,7 @@ def trace(world: World, sensor: Sensor, position: Point) -> Trace:
     beam, piece = np.nonzero(far - near > NO_LENGTH)
     near, far = near[beam, piece], far[beam, piece]
     middle = (near + far) / 2
-    east, north = sensor.directions[beam].T
+    east, north = sensor.fan.directions[beam].T
     surface = world.read_around(position, Offsets.of(middle * east, middle * north, sensor.range))
     return Trace(sensor, position, world.surfaces, beam, surface, near, far)
 
@@ -144,8 +145,8 @@ def _cuts(sensor: Sensor, position: Point, lines: tuple[Floats, Floats]) -> Floa
     cuts[:, 0], cuts[:, 1] = 0.0, sensor.range
     split = 2 + len(lines[0])
     with np.errstate(divide="ignore", invalid="ignore"):
-        np.divide(lines[0] - position[0], sensor.directions[:, :1], out=cuts[:, 2:split])
-        np.divide(lines[1] - position[1], sensor.directions[:, 1:], out=cuts[:, split:])
+        np.divide(lines[0] - position[0], sensor.fan.directions[:, :1], out=cuts[:, 2:split])
+        np.divide(lines[1] - position[1], sensor.fan.directions[:, 1:], out=cuts[:, split:])
     cuts[~((cuts >= 0) & (cuts <= sensor.range))] = sensor.range
     cuts.sort(axis=1)
     return cuts

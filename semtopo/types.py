@@ -20,6 +20,8 @@ Floats: TypeAlias = NDArray[np.float64]
 Integers: TypeAlias = NDArray[np.intp]
 Bytes: TypeAlias = NDArray[np.uint8]
 Flags: TypeAlias = NDArray[np.bool_]
+Complexes: TypeAlias = NDArray[np.complex128]
+"""Points or directions, x + iy: a product with a conjugate is a dot and a cross product."""
 
 Point: TypeAlias = tuple[float, float]
 """x and y in metres, map frame."""

@@ -15,29 +15,22 @@ from functools import partial
 
 import numpy as np
 import shapely
+from shapely import MultiPolygon
 
+from semtopo.border import Border, joined, polygon
 from semtopo.crossings import SeenDoorways, seen_doorways
-from semtopo.fusion import within
-from semtopo.geometry import (
-    Box,
-    Polygons,
-    Region,
-    Vertices,
-    apart,
-    nearest_point,
-    union,
-)
+from semtopo.fusion import Extent
+from semtopo.geometry import Polygons, Region, apart, nearest_point, union
 from semtopo.scan import Scan
+from semtopo.sector import Sector, outlines, sector_of
 from semtopo.strips import Strips, find_strips
+from semtopo.traced import traced
 from semtopo.types import (
     NOWHERE,
-    Bytes,
     Edges,
-    Floats,
     Identity,
     Integers,
     MappingOptions,
-    Occupancy,
     Point,
     SeenName,
 )
@@ -47,52 +40,28 @@ SAME_DISTANCE = 1e-9
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class Border:
-    """Characteristic points on the border of a region: `xy` (n, 2) in m, `occupancy` (n,)."""
-
-    xy: Floats
-    occupancy: Bytes
-
-    def updated(self, other: Border, region: Region, box: Box) -> Border:
-        """Return the points of both that are vertices of a region.
-
-        All of the other's lie in the box, and outside of it all of one's own are vertices still. Of
-        two claims on one place the greater occupancy holds.
-        """
-        inside = within(self.xy, box)
-        vertices = shapely.get_coordinates(region)
-        corners = Vertices(vertices[within(vertices, box)])
-        claims = np.zeros(len(corners.xy), dtype=np.uint8)
-        for xy, occupancy in (
-            (self.xy[inside], self.occupancy[inside]),
-            (other.xy, other.occupancy),
-        ):
-            found, place = corners.find(xy)
-            np.maximum.at(claims, place[found], occupancy[found])
-        claimed = claims > Occupancy.NONE
-        return Border(
-            np.concatenate([self.xy[~inside], corners.xy[claimed]]),
-            np.concatenate([self.occupancy[~inside], claims[claimed]]),
-        )
-
-    def on(self, region: Region) -> Border:
-        """Return the points that are vertices of a region."""
-        kept, _ = Vertices(shapely.get_coordinates(region)).find(self.xy)
-        return Border(self.xy[kept], self.occupancy[kept])
-
-
-@dataclass(frozen=True, slots=True, eq=False)
 class Zone:
-    """A zone of one scan z_u: its label, its region in m, map frame, and its border points.
+    """A zone of one scan z_u: its label, and its extent.
 
     `part` tells zones of one label apart, from 0, the nearest first; there are several only where
-    each place is a zone of its own (R14).
+    each place is a zone of its own (R14). `sectors` are what the extent consists of, if the scan
+    has samples and its strips form chains.
     """
 
     label: str
-    region: Region
-    border: Border
+    extent: Extent
     part: int = 0
+    sectors: tuple[Sector, ...] = ()
+
+    @property
+    def region(self) -> Region:
+        """The extent of the zone in m, map frame."""
+        return self.extent.region
+
+    @property
+    def border(self) -> Border:
+        """The border of the region."""
+        return self.extent.border
 
     @property
     def name(self) -> SeenName:
@@ -178,32 +147,48 @@ def _zones(strips: Strips, options: MappingOptions) -> tuple[list[Zone], Integer
     zones: list[Zone] = []
     owner = np.full(len(label), NOWHERE)
     for number, chosen in sorted(_places(label[strips.left]).items(), key=lambda it: labels[it[0]]):
-        region, border = strips.region(chosen), _border(strips, chosen)
+        extent, sectors = _extent(strips, chosen)
         if options.identity is Identity.LABEL:
-            places = [(region, np.flatnonzero(label == number))]
+            places = [(extent, (label == number).nonzero()[0])]
         else:
-            places = list(_parts(region, strips, chosen))
-        large = [(place, mine) for place, mine in places if place.area > options.min_zone_area]
+            places = list(_parts(extent, strips, chosen))
+        large = [it for it in places if it[0].region.area > options.min_zone_area]
         for part, (place, mine) in enumerate(large):
             owner[mine] = len(zones)
-            whole = place is region and strips.are_chains(chosen) and not strips.scan.exact
-            points = border if whole else border.on(place)
-            zones.append(Zone(labels[number], place, points, part))
+            swept = sectors if place is extent and not strips.scan.exact else ()
+            zones.append(Zone(labels[number], place, part, swept))
     return zones, owner
 
 
-def _parts(region: Region, strips: Strips, chosen: Integers) -> Iterator[tuple[Region, Integers]]:
+def _extent(strips: Strips, chosen: Integers) -> tuple[Extent, tuple[Sector, ...]]:
+    """Return the union of strips, of which there is at least one, and its sectors if it has any."""
+    scan = strips.scan
+    if not strips.are_chains(chosen):
+        region: Region = shapely.orient_polygons(union(strips.polygons(chosen)))
+        border = traced(region, [outlines(scan, strips.left[chosen], strips.right[chosen])])
+        return Extent(region, border), ()
+    chains = strips.chains(chosen)
+    sectors = tuple(sector_of(scan, chain, closed=closed) for chain, closed in chains)
+    if len(sectors) == 1:
+        return Extent(polygon(sectors[0].border), sectors[0].border), sectors
+    borders = [sector.border for sector in sectors]
+    return Extent(MultiPolygon([polygon(it) for it in borders]), joined(borders)), sectors
+
+
+def _parts(extent: Extent, strips: Strips, chosen: Integers) -> Iterator[tuple[Extent, Integers]]:
     """Yield the places of one label that do not touch, the nearest first, with their intervals."""
-    places = apart(region)
+    places = apart(extent.region)
     if len(places) == 1:
-        yield region, np.union1d(strips.left[chosen], strips.right[chosen])
+        yield extent, np.union1d(strips.left[chosen], strips.right[chosen])
         return
     place = shapely.Point(strips.scan.position)
     places.sort(key=lambda part: (part.distance(place), part.bounds))
     inside = shapely.centroid(strips.polygons(chosen))
     for part in places:
         mine = chosen[shapely.intersects(part, inside)]
-        yield part, np.union1d(strips.left[mine], strips.right[mine])
+        region: Region = shapely.orient_polygons(part)
+        border = traced(region, [extent.border])
+        yield Extent(region, border), np.union1d(strips.left[mine], strips.right[mine])
 
 
 def _places(numbers: Integers) -> dict[int, Integers]:
@@ -212,21 +197,6 @@ def _places(numbers: Integers) -> dict[int, Integers]:
     found, first = np.unique(numbers[order], return_index=True)
     parts = np.split(order, first[1:])  # one part, also of nothing
     return dict(zip(found.tolist(), parts, strict=False))
-
-
-def _border(strips: Strips, chosen: Integers) -> Border:
-    """Return the characteristic points of strips (Alg. 2, l. 38-39)."""
-    spans = strips.scan.intervals
-    joined = np.zeros(len(spans), dtype=np.bool_)
-    joined[strips.left[chosen]] = joined[strips.right[chosen]] = True
-    extended = joined & (spans.near < spans.far)  # the others start where they end
-    point = joined & ~extended
-    claims = spans.far_occupancy.copy()
-    claims[point] = np.maximum(claims[point], spans.near_occupancy[point])
-    xy = np.concatenate([strips.near[extended], strips.far[joined]])
-    occupancy = np.concatenate([spans.near_occupancy[extended], claims[joined]])
-    kept = occupancy != Occupancy.NONE
-    return Border(xy[kept], occupancy[kept])
 
 
 def _nearest(zones: list[Zone], position: Point) -> Zone | None:

@@ -5,16 +5,15 @@ from __future__ import annotations
 from collections.abc import Iterable, Mapping
 from typing import Any
 
-import numpy as np
 import shapely
 
 from semtopo.atlas import Atlas
+from semtopo.fusion import Extent
 from semtopo.geometry import Region
 from semtopo.graph import Node, Passage, TopologyGraph
 from semtopo.mapper import MapState
 from semtopo.metric import MappedZone, MetricMap
 from semtopo.types import Point
-from semtopo.zones import Border
 
 Edge = tuple[str, str, Point] | tuple[str, str, Point, int]
 """Source, target, point, and number if it is not the first between the two."""
@@ -24,9 +23,8 @@ EVERYWHERE = shapely.box(-64, -64, 64, 64)
 
 
 def mapped(zone_id: str, region: Region, label: str | None = None) -> MappedZone:
-    """Return a zone of a map, without border points."""
-    border = Border(np.empty((0, 2)), np.empty(0, np.uint8))
-    return MappedZone(zone_id, label or zone_id, region, border, since=1, seq=1)
+    """Return a zone of a map, of whose border nothing is known."""
+    return MappedZone(zone_id, label or zone_id, Extent.of(region), since=1, seq=1)
 
 
 def atlas(

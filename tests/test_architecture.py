@@ -16,8 +16,9 @@ ROOT = Path(__file__).parents[1]
 
 LAYERS = [
     {"errors"}, {"types"}, {"geometry", "window"},
-    {"fusion", "inset", "triangulation", "world"}, {"taut"}, {"bottleneck"}, {"freespace"},
-    {"sensor"}, {"scan"}, {"runs", "strips"}, {"crossings"}, {"doorways"}, {"zones"}, {"core"},
+    {"border", "fan", "inset", "triangulation", "world"}, {"traced"}, {"taut"}, {"bottleneck"},
+    {"freespace"}, {"sensor"}, {"scan"}, {"runs", "sector", "strips"}, {"course", "crossings"},
+    {"doorways", "sweep"}, {"seams"}, {"fusion"}, {"zones"}, {"core"},
     {"metric"}, {"placement"},
     {"borders", "graph"}, {"findings"}, {"mapper"},
     {"atlas", "expectations", "grammar", "likeness", "questions"},

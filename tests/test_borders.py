@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import numpy as np
 import pytest
 import shapely
 from hypothesis import given
@@ -12,16 +11,14 @@ from semtopo.geometry import Region
 from semtopo.mapper import explore
 from semtopo.metric import MappedZone
 from semtopo.types import Occupancy
-from semtopo.zones import Border
+from tests.extents import marked
 from tests.strategies import Scene, scenes
 
 SQUARE = shapely.Polygon([(0, 0), (4, 0), (4, 4), (0, 4)])
 
 
 def zone(region: Region, claims: dict[tuple[float, float], Occupancy]) -> MappedZone:
-    xy = np.array(list(claims), dtype=np.float64).reshape(-1, 2)
-    occupancy = np.array(list(claims.values()), dtype=np.uint8)
-    return MappedZone("a", "a", region, Border(xy, occupancy), since=1, seq=1)
+    return MappedZone("a", "a", marked(region, claims), since=1, seq=1)
 
 
 def length(pieces: tuple[BorderPiece, ...], occupancy: Occupancy) -> float:

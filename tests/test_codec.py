@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+from dataclasses import replace
 from functools import cache
 from typing import Any
 
@@ -10,8 +11,6 @@ import numpy as np
 import pytest
 import shapely
 from hypothesis import given
-from hypothesis import strategies as st
-from hypothesis.extra import numpy as arrays
 
 from semtopo.answers import answer
 from semtopo.answers.values import PathAnswer
@@ -26,13 +25,13 @@ from semtopo.codec import (
     zones_body,
 )
 from semtopo.errors import InvalidMapError
+from semtopo.fusion import Extent
 from semtopo.mapper import MapState, Step, explore
 from semtopo.metric import MappedZone, MetricMap
 from semtopo.readback import read_map
 from semtopo.sensor import Sensor
-from semtopo.types import MappingOptions, Occupancy
-from semtopo.wkb import border_bytes, border_from, region_bytes, region_from
-from semtopo.zones import Border
+from semtopo.types import MappingOptions
+from semtopo.wkb import shape_bytes, shape_from
 from tests.plans import LOOP, THREE_IN_A_ROW, drawn
 from tests.strategies import Scene, options, patient, scenes
 
@@ -56,8 +55,7 @@ def bodies(state: MapState) -> tuple[bytes, bytes]:
 
 
 def zone(region: shapely.Polygon | shapely.MultiPolygon, zone_id: str = "a") -> MappedZone:
-    border = Border(np.empty((0, 2)), np.empty(0, dtype=np.uint8))
-    return MappedZone(zone_id, zone_id, region, border, since=1, seq=2)
+    return MappedZone(zone_id, zone_id, Extent.of(region), since=1, seq=2)
 
 
 def feature(region: shapely.Polygon | shapely.MultiPolygon) -> dict[str, Any]:
@@ -88,24 +86,14 @@ def test_a_map_reads_back_to_itself(scene: Scene, chosen: MappingOptions) -> Non
 @given(scene=scenes(), chosen=options)
 def test_stored_shapes_read_back_to_the_bit(scene: Scene, chosen: MappingOptions) -> None:
     for zone in explored(scene, chosen).metric.zones.values():
-        stored = region_bytes(zone.region)
-        assert region_bytes(region_from(stored)) == stored
-        assert shapely.equals_identical(region_from(stored), zone.region)
-        border = border_from(border_bytes(zone.border))
-        np.testing.assert_array_equal(border.xy, zone.border.xy)
-        np.testing.assert_array_equal(border.occupancy, zone.border.occupancy)
-
-
-@given(count=st.integers(0, 20), data=st.data())
-def test_any_border_reads_back(count: int, data: st.DataObject) -> None:
-    finite = st.floats(allow_nan=False, allow_infinity=False)
-    xy = data.draw(arrays.arrays(np.float64, (count, 2), elements=finite))
-    kinds = st.sampled_from([int(kind) for kind in Occupancy])
-    occupancy = data.draw(arrays.arrays(np.uint8, count, elements=kinds))
-    border = border_from(border_bytes(Border(xy, occupancy)))
-    assert border.xy.tobytes() == xy.tobytes()
-    assert border.xy.shape == (count, 2)
-    assert border.occupancy.tolist() == occupancy.tolist()
+        stored, marks = shape_bytes(zone)
+        ground, core = shape_from(stored, marks)
+        assert core is None
+        assert shape_bytes(replace(zone, extent=ground)) == (stored, marks)
+        assert shapely.equals_identical(ground.region, zone.region)
+        np.testing.assert_array_equal(ground.border.xy, zone.border.xy)
+        np.testing.assert_array_equal(ground.border.begins, zone.border.begins)
+        np.testing.assert_array_equal(ground.border.marks, zone.border.marks)
 
 
 def test_an_empty_map() -> None:
@@ -235,4 +223,4 @@ def test_what_is_no_map_is_refused(zones: bytes, graph: bytes) -> None:
 
 def test_a_stored_region_must_be_one() -> None:
     with pytest.raises(InvalidMapError):
-        region_from(shapely.to_wkb(shapely.Point(0, 0)))
+        shape_from(shapely.to_wkb(shapely.Point(0, 0)), b"")

@@ -14,13 +14,13 @@ from hypothesis import given
 from semtopo.borders import border_pieces
 from semtopo.core import RIM, Core
 from semtopo.formats import read_path, read_world
+from semtopo.fusion import Extent
 from semtopo.geometry import Region
 from semtopo.mapper import MapState, explore
 from semtopo.metric import MappedZone
 from semtopo.sensor import Sensor
 from semtopo.types import MappingOptions, Occupancy, Point, Sensing
 from semtopo.wkb import shape_bytes, shape_from
-from semtopo.zones import Border
 from tests.strategies import Scene, patient, scenes
 
 EXAMPLE = Path(__file__).parents[1] / "examples" / "paper"
@@ -113,43 +113,45 @@ def test_pieces_keep_their_occupancy_and_are_few() -> None:
 
 def test_a_zone_is_stored_with_its_core() -> None:
     for zone in run(TOLERANCE, 12)[-1].metric.zones.values():
-        region, border, core = shape_from(*shape_bytes(zone))
+        ground, core = shape_from(*shape_bytes(zone))
         assert core is not None
         assert zone.core is not None
-        assert region.equals_exact(zone.region)
+        assert ground.region.equals_exact(zone.region)
         assert core.region.equals_exact(zone.core.region)
         assert core.tolerance == TOLERANCE
         np.testing.assert_array_equal(core.border.xy, zone.core.border.xy)
-        np.testing.assert_array_equal(core.border.occupancy, zone.core.border.occupancy)
-        assert sorted(map(tuple, border.xy.tolist())) == sorted(map(tuple, zone.border.xy.tolist()))
+        np.testing.assert_array_equal(core.border.marks, zone.core.border.marks)
+        np.testing.assert_array_equal(ground.border.marks, zone.border.marks)
 
 
 def test_a_zone_without_tolerance_is_stored_without() -> None:
     zone = next(iter(run(0.0, 12)[0].metric.zones.values()))
-    assert shape_from(*shape_bytes(zone))[2] is None
+    assert shape_from(*shape_bytes(zone))[1] is None
     assert zone.core is None
 
 
-NOTHING = Border(np.empty((0, 2)), np.empty(0, dtype=np.uint8))
+def square() -> Core:
+    return Core(Extent.of(shapely.box(0, 0, 4, 4)), 0.1)
 
 
 def test_what_lies_within_the_rim_changes_nothing() -> None:
-    core = Core(shapely.box(0, 0, 4, 4), NOTHING, 0.1)
-    near, beyond = (shapely.box(1, 1, 1.5, 4 + share * RIM * 0.1) for share in (0.99, 1.01))
-    assert core.grown(near, NOTHING) is core
-    grown = core.grown(beyond, NOTHING)
-    assert grown.region.equals(core.region.union(beyond))
-    assert grown.grown(near, NOTHING) is grown
+    core = square()
+    near, beyond = (
+        Extent.of(shapely.box(1, 1, 1.5, 4 + share * RIM * 0.1)) for share in (0.99, 1.01)
+    )
+    assert core.grown(near) is core
+    grown = core.grown(beyond)
+    assert grown.region.equals(core.region.union(beyond.region))
+    assert grown.grown(near) is grown
 
 
 def test_a_core_seen_again_and_again_creeps_nowhere() -> None:
     """Each look goes beyond the last by less than the rim: in the end, all of them count."""
-    core = Core(shapely.box(0, 0, 4, 4), NOTHING, 0.1)
+    core = square()
     for step in range(1, 101):
-        core = core.grown(shapely.box(1, 1, 3, 4 + step * 0.001), NOTHING)
+        core = core.grown(Extent.of(shapely.box(1, 1, 3, 4 + step * 0.001)))
     assert 4.1 - RIM * 0.1 <= core.region.bounds[3] <= 4.1
-    region, _ = core.reduced()
-    assert farthest(region, core.region) <= 0.1
+    assert farthest(core.reduced().region, core.region) <= 0.1
 
 
 @patient

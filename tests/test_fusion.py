@@ -1,124 +1,191 @@
-"""Fusion by parts is the union, wherever the large region is cut."""
+"""Fusion is the union, whichever way it takes, and what is known of borders goes along."""
 
 from __future__ import annotations
+
+from collections import Counter
+from collections.abc import Iterator
+from pathlib import Path
 
 import numpy as np
 import pytest
 import shapely
 from hypothesis import given
-from hypothesis import strategies as st
 from shapely import MultiPolygon, Polygon, box
 
 from semtopo import fusion
-from semtopo.fusion import box_around, fuse, within
-from semtopo.geometry import Box, Region, polygonal
-from tests.strategies import many, quick
+from semtopo.course import UnclearError
+from semtopo.formats import read_path, read_world
+from semtopo.fusion import Extent, fuse
+from semtopo.geometry import Region, polygonal
+from semtopo.mapper import scan_world
+from semtopo.sector import Sector
+from semtopo.sensor import Sensor
+from semtopo.types import MappingOptions, Occupancy
+from semtopo.zones import Zone, extract
+from tests.extents import all_around, claims_of
+from tests.strategies import Scene, many, quick, scenes
 
+EXAMPLE = Path(__file__).parents[1] / "examples" / "paper"
 SAME = 1e-9
-MANY = 400
-"""Vertices of a ring, so that three make a region that is cut."""
+UNIT = Extent.of(box(0, 0, 1, 1))
+OPTIONS = MappingOptions()
 
 
-def star(seed: int, x: float, y: float, size: float, vertices: int = MANY) -> Polygon:
-    """Return a jagged polygon around a point, as scans are."""
-    chance = np.random.default_rng(seed)
-    angle = np.linspace(0, 2 * np.pi, vertices, endpoint=False)
-    radius = size * chance.uniform(0.6, 1, vertices)
-    return Polygon(np.stack([x + radius * np.sin(angle), y + radius * np.cos(angle)], axis=-1))
+def seen_of(scene: Scene) -> Iterator[Zone]:
+    """Yield the zones of each scan of a scene."""
+    for position in scene.walk:
+        yield from extract(scan_world(scene.world, scene.sensor, position), OPTIONS).zones
 
 
-@st.composite
-def large_regions(draw: st.DrawFn) -> Region:
-    """Draw a region of several jagged parts, some of which meet, with holes."""
-    seeds = draw(st.lists(st.integers(0, 99), min_size=3, max_size=6, unique=True))
-    parts = [star(seed, seed % 10, seed // 10, 1.5) for seed in seeds]
-    holes = [star(seed, seed % 10 + 0.4, seed // 10, 0.3, 30) for seed in seeds]
-    return polygonal(shapely.difference(shapely.union_all(parts), shapely.union_all(holes)))
-
-
-@st.composite
-def additions(draw: st.DrawFn) -> Polygon:
-    """Draw a small jagged polygon, or a box with edges on round numbers."""
-    x, y = draw(st.integers(0, 18)) / 2, draw(st.integers(0, 18)) / 2
-    if draw(st.booleans()):
-        return box(x, y, x + 1.5, y + 0.5)
-    return star(draw(st.integers(100, 199)), x, y, 1.2, 60)
+def check(known: Extent, seen: Region, found: Extent) -> None:
+    """Compare with the union of GEOS, and see that region and border are one."""
+    assert found.region.is_valid, shapely.is_valid_reason(found.region)
+    wanted = polygonal(shapely.union(known.region, seen))
+    assert found.region.symmetric_difference(wanted).area < SAME
+    assert len(shapely.get_rings(found.region)) == len(shapely.get_rings(wanted))
+    np.testing.assert_array_equal(found.border.xy, shapely.get_coordinates(found.region))
+    assert len(found.border.marks) == len(found.border.xy)
+    assert found.border.begins[-1] == len(found.border.xy)
+    assert found.border.areas().sum() == pytest.approx(found.region.area)
 
 
 @quick
-@given(region=large_regions(), addition=additions())
-def test_fused_by_parts_is_the_union(region: Region, addition: Polygon) -> None:
-    assert shapely.get_num_coordinates(region) > fusion.FEW_VERTICES
-    fused = fuse(region, addition)
-    assert fused.is_valid, shapely.is_valid_reason(fused)
-    wanted = shapely.union(region, addition)
-    assert fused.symmetric_difference(wanted).area < SAME
-    assert shapely.get_num_geometries(fused) == shapely.get_num_geometries(wanted)
-    apart = ~within(shapely.get_coordinates(region), box_around(addition))
-    kept = {tuple(xy) for xy in shapely.get_coordinates(region)[apart].tolist()}
-    assert kept <= {tuple(xy) for xy in shapely.get_coordinates(fused).tolist()}
+@given(scene=scenes())
+def test_what_is_swept_is_the_union(scene: Scene) -> None:
+    known: dict[str, Extent] = {}
+    for zone in seen_of(scene):
+        extent = known.get(zone.label, zone.extent)
+        found = known[zone.label] = fuse(extent, zone.extent, zone.sectors)
+        check(extent, zone.region, found)
+        assert found is extent or found.region.area > extent.region.area
 
 
-def test_most_are_fused_by_parts(monkeypatch: pytest.MonkeyPatch) -> None:
-    """The slow way is for the rare case; also, the drawn regions are cut in many ways."""
-    counts = {"all": 0, "slow": 0, "parts": 0, "holes": 0, "pieces": 0}
-    by_parts, outside = fusion._fused_within, fusion._outside
+@pytest.mark.parametrize("beams", [12, 72, 360])
+def test_the_run_of_the_paper_is_swept(beams: int) -> None:
+    world = read_world((EXAMPLE / "world.json").read_bytes())
+    path = [pose.position for pose in read_path((EXAMPLE / "path.csv").read_bytes())]
+    known: dict[str, Extent] = {}
+    for zone in seen_of(Scene(world, Sensor(beams, 2.0, 20), tuple(path))):
+        extent = known.get(zone.label, zone.extent)
+        known[zone.label] = fuse(extent, zone.extent, zone.sectors)
+        check(extent, zone.region, known[zone.label])
+    assert len(shapely.get_rings(known["corridor"].region)) > 1
 
-    def counting(region: Region, addition: Region, around: Box) -> Region:
+
+def _parts(extent: Extent) -> int:
+    return len(shapely.get_parts(extent.region))
+
+
+SORTS = (
+    "closed", "from robot", "beyond a door", "parts", "fewer parts", "nothing new",
+)  # fmt: skip
+
+
+def test_the_ways_of_fusion(monkeypatch: pytest.MonkeyPatch) -> None:
+    """On lattices much is unclear; still, sectors of all sorts are swept."""
+    counts: Counter[str] = Counter()
+    swept = fusion._swept
+
+    def counting(known: Extent, sector: Sector) -> Extent:
         counts["all"] += 1
-        try:
-            return by_parts(region, addition, around)
-        except (fusion._UnclearError, shapely.GEOSException):
-            counts["slow"] += 1
-            raise
-
-    def counting_pieces(region: Region, around: Box) -> fusion._Pieces:
-        found = outside(region, around)
-        counts["pieces"] += len(found.cut) > 1
+        found = swept(known, sector)
+        counts["swept"] += 1
+        parts = _parts(found)
+        counts["closed"] += sector.closed
+        counts["from robot"] += sector.near is None and not sector.closed
+        counts["beyond a door"] += sector.near is not None
+        counts["parts"] += parts > 1
+        counts["fewer parts"] += parts < _parts(known)
+        counts["nothing new"] += found is known
         return found
 
-    monkeypatch.setattr(fusion, "_fused_within", counting)
-    monkeypatch.setattr(fusion, "_outside", counting_pieces)
+    monkeypatch.setattr(fusion, "_swept", counting)
 
     @many
-    @given(region=large_regions(), addition=additions())
-    def count(region: Region, addition: Polygon) -> None:
-        fused = fuse(region, addition)
-        counts["parts"] += isinstance(fused, MultiPolygon)
-        counts["holes"] += shapely.get_num_interior_rings(shapely.get_parts(fused)).sum() > 1
+    @given(scene=scenes())
+    def count(scene: Scene) -> None:
+        known: dict[str, Extent] = {}
+        for zone in seen_of(scene):
+            extent = known.get(zone.label, zone.extent)
+            known[zone.label] = fuse(extent, zone.extent, zone.sectors)
 
     count()
-    assert counts["slow"] < 0.05 * counts["all"]
-    for what in ("parts", "holes", "pieces"):
-        assert counts[what] > 0.25 * counts["all"], what
+    assert counts["swept"] > 0.25 * counts["all"]
+    for what in SORTS:
+        assert counts[what] >= 5, counts
 
 
-def test_a_region_that_covers_the_addition_stays() -> None:
-    region = star(1, 0, 0, 9.0, 900)
-    assert fuse(region, box(-1, -1, 1, 1)) is region
+def test_a_robot_that_stands_still_changes_nothing(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Not even by way of GEOS: the border lies on the outline, and none of it inside."""
+    monkeypatch.setattr(fusion, "_united", None)
+    world = read_world((EXAMPLE / "world.json").read_bytes())
+    for position in ((1.0, 6.0), (2.2, 6.03), (4.0, 7.0)):
+        for zone in extract(scan_world(world, Sensor(72, 2.0, 20), position), OPTIONS).zones:
+            assert fuse(zone.extent, zone.extent, zone.sectors) is zone.extent
+
+
+def test_what_touches_in_places_takes_the_slow_way() -> None:
+    world = read_world((EXAMPLE / "world.json").read_bytes())
+    (zone, *_) = extract(scan_world(world, Sensor(72, 2.0, 20), (1.0, 6.0)), OPTIONS).zones
+    (sector,) = zone.sectors
+    x, y = sector.border.xy[3]
+    touching = Extent.of(Polygon([(x, y), (x + 0.5, y + 3.0), (x - 0.5, y + 3.0)]))
+    with pytest.raises(UnclearError):
+        fusion._swept(touching, sector)
+    check(touching, zone.region, fuse(touching, zone.extent, zone.sectors))
+
+
+def test_fuse_is_the_union() -> None:
+    fused = fuse(UNIT, Extent.of(box(0.5, 0, 1.5, 1)))
+    assert fused.region.equals(box(0, 0, 1.5, 1))
+
+
+def test_fuse_may_close_a_ring() -> None:
+    ring = box(0, 0, 4, 4).difference(box(1, 1, 3, 3))
+    left, right = (polygonal(ring.intersection(box(x, 0, x + 2, 4))) for x in (0, 2))
+    fused = fuse(Extent.of(left), Extent.of(right)).region
+    assert isinstance(fused, Polygon)
+    assert len(fused.interiors) == 1
+
+
+@pytest.mark.parametrize(
+    "addition", [box(0, 0, 1, 1), box(0.2, 0.2, 0.8, 0.8), box(1, 0, 1 + 1e-12, 1)]
+)
+def test_fuse_without_gain_is_the_same_object(addition: Polygon) -> None:
+    assert fuse(UNIT, Extent.of(addition)) is UNIT
 
 
 def test_what_lies_apart_becomes_a_part() -> None:
-    region = star(1, 0, 0, 1.0, 900)
-    fused = fuse(region, box(5, 5, 6, 6))
-    assert isinstance(fused, MultiPolygon)
-    assert fused.area == pytest.approx(region.area + 1)
+    fused = fuse(UNIT, Extent.of(box(5, 5, 6, 6)))
+    assert isinstance(fused.region, MultiPolygon)
+    assert fused.region.area == pytest.approx(2)
 
 
-def test_an_addition_may_fill_a_hole_and_leave_an_island_in_one() -> None:
-    ring = polygonal(shapely.difference(star(1, 0, 0, 9.0, 900), box(-3, -3, 3, 3)))
-    filled = fuse(ring, box(-3.5, -3.5, 3.5, 3.5))
-    assert isinstance(filled, Polygon)
-    assert len(filled.interiors) == 0
-    island = fuse(ring, box(-1, -1, 1, 1))
-    assert shapely.get_num_geometries(island) == 2
-    assert fuse(island, box(-0.5, 0, 0.5, 3.2)).is_valid
+def test_what_is_known_of_borders_is_traced() -> None:
+    """Sides keep what they were, also those that are cut at one end or at both."""
+    wall = all_around(box(0, 0, 4, 4), Occupancy.OBSTACLE)
+    door = all_around(box(1, 3, 2, 5), Occupancy.PASSAGE)
+    across = all_around(box(-1, 1, 5, 2), Occupancy.FREE)
+    fused = fuse(fuse(wall, door), across)
+    lengths = dict.fromkeys(Occupancy, 0.0)
+    border = fused.border
+    for one, other, side in zip(border.xy[:-1], border.xy[1:], border.sides[:-1], strict=True):
+        lengths[Occupancy(int(side))] += float(np.abs(other - one).sum())
+    assert lengths == pytest.approx({
+        Occupancy.NONE: 0, Occupancy.FREE: 2 * 3,
+        Occupancy.OBSTACLE: 4 + 3 + 2 + 4, Occupancy.PASSAGE: 1 + 1 + 1,
+    })  # fmt: skip
+    claims = claims_of(border)
+    assert claims[0, 0] is Occupancy.OBSTACLE
+    assert claims[2, 5] is Occupancy.PASSAGE
+    assert (1, 4) not in claims
+    assert (4, 1) not in claims
 
 
-def test_a_border_along_the_cut_takes_the_slow_way() -> None:
-    addition = box(0, 0, 1, 1)
-    low_x, _, high_x, _ = box_around(addition)
-    pillar = box(low_x, -6, high_x, 0.5)
-    region = polygonal(shapely.union(star(1, 0.5, -5, 4.0, 900), pillar))
-    fused = fuse(region, addition)
-    assert fused.symmetric_difference(shapely.union(region, addition)).area < SAME
+def test_of_two_claims_on_one_place_the_greater_holds() -> None:
+    left, right = box(0, 0, 1, 1), box(1, 0, 2, 1)
+    for one, other in ((Occupancy.FREE, Occupancy.OBSTACLE), (Occupancy.OBSTACLE, Occupancy.FREE)):
+        claims = claims_of(fuse(all_around(left, one), all_around(right, other)).border)
+        assert claims[0, 0] is one
+        assert claims[2, 0] is other
+        assert claims.get((1, 0), Occupancy.OBSTACLE) is Occupancy.OBSTACLE

@@ -14,8 +14,8 @@ from semtopo.mapper import MapState
 from semtopo.metric import MappedZone, MetricMap
 from semtopo.route import Place, RouteRequest, find_routes
 from semtopo.types import Occupancy
-from semtopo.zones import Border
 from tests.atlases import Edge, atlas
+from tests.extents import marked
 from tests.journeys import Journey, journeys
 from tests.strategies import many
 
@@ -131,9 +131,9 @@ def walled(zone_id: str, box: tuple[float, float, float, float], free: str) -> M
     ends = sides[free][1:-1] if free in sides else []
     corners = [(x, y) for x in (west, east) for y in (south, north)]
     others = [xy for side in sides.values() for xy in side[1:-1] if xy not in ends]
-    xy = np.array([*corners, *others, *ends])
-    kinds = [Occupancy.OBSTACLE] * (len(xy) - len(ends)) + [Occupancy.FREE] * len(ends)
-    return MappedZone(zone_id, zone_id, region, Border(xy, np.array(kinds, np.uint8)), 1, 1)
+    claims = dict.fromkeys([*corners, *others], Occupancy.OBSTACLE)
+    ground = marked(region, {**claims, **dict.fromkeys(ends, Occupancy.FREE)})
+    return MappedZone(zone_id, zone_id, ground, 1, 1)
 
 
 def test_the_frontier_nearest_to_the_gap() -> None:

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import math
 from collections.abc import Callable
 from typing import TypeAlias
 
@@ -12,7 +11,6 @@ import shapely
 from shapely import GeometryCollection, LineString, MultiPolygon, Polygon, box
 
 from semtopo import geometry
-from semtopo.fusion import fuse
 from semtopo.types import Point
 
 Join: TypeAlias = Callable[[geometry.Polygons], geometry.Region]
@@ -52,23 +50,6 @@ def test_union_takes_overlaps() -> None:
     assert geometry.union(polygons(UNIT, box(0.5, 0, 1.5, 1))).area == 1.5
 
 
-def test_fuse_is_the_union() -> None:
-    fused = fuse(UNIT, box(0.5, 0, 1.5, 1))
-    assert fused.equals(box(0, 0, 1.5, 1))
-
-
-def test_fuse_may_close_a_ring() -> None:
-    left, right = RING.intersection(box(0, 0, 2, 4)), RING.intersection(box(2, 0, 4, 4))
-    fused = fuse(geometry.polygonal(left), geometry.polygonal(right))
-    assert isinstance(fused, Polygon)
-    assert len(fused.interiors) == 1
-
-
-@pytest.mark.parametrize("addition", [UNIT, box(0.2, 0.2, 0.8, 0.8), box(1, 0, 1 + 1e-12, 1)])
-def test_fuse_without_gain_is_the_same_object(addition: Polygon) -> None:
-    assert fuse(UNIT, addition) is UNIT
-
-
 @pytest.mark.parametrize(
     ("region", "position", "wanted"),
     [
@@ -82,15 +63,6 @@ def test_fuse_without_gain_is_the_same_object(addition: Polygon) -> None:
 )
 def test_nearest_point(region: geometry.Region, position: Point, wanted: Point) -> None:
     assert geometry.nearest_point(region, position) == wanted
-
-
-def test_places_are_found_to_the_last_bit() -> None:
-    corners = geometry.Vertices(shapely.get_coordinates(UNIT))
-    assert len(corners.xy) == 4
-    points = np.array([(0, 0), (1, 1), (0.5, 0), (1, math.nextafter(1, 2)), (-0.0, 1)])
-    found, place = corners.find(points)
-    assert found.tolist() == [True, True, False, False, True]
-    assert (corners.xy[place[found]] == points[found]).all()
 
 
 @pytest.mark.parametrize("gap", [0.0, 1e-9, 0.9 * geometry.GAP])
@@ -118,10 +90,3 @@ def test_the_widest_place_is_in_the_middle_of_the_widest_part() -> None:
     x, y = geometry.widest_place(RING)
     assert RING.contains(shapely.Point(x, y))
     assert RING.boundary.distance(shapely.Point(x, y)) == pytest.approx(0.5858, rel=0.02)
-
-
-def test_no_places_are_found_among_none() -> None:
-    nothing = np.empty((0, 2))
-    assert geometry.Vertices(shapely.get_coordinates(UNIT)).find(nothing)[0].tolist() == []
-    assert geometry.Vertices(nothing).find(np.ones((1, 2)))[0].tolist() == [False]
-    assert geometry.Vertices(nothing).find(nothing)[0].tolist() == []

@@ -10,16 +10,16 @@ from hypothesis import given
 from shapely import Polygon, box
 
 from semtopo.findings import extend
+from semtopo.fusion import Extent
 from semtopo.graph import Event, Node, NodeFound, Passage, PassageFound, TopologyGraph
 from semtopo.mapper import explore
 from semtopo.metric import MetricMap
 from semtopo.placement import place
 from semtopo.types import Edges, MappingOptions, Point
-from semtopo.zones import Border, Link, SensorMap, Zone
+from semtopo.zones import Link, SensorMap, Zone
 from tests import oracle
 from tests.strategies import Scene, options, patient, scenes
 
-NOTHING = Border(np.empty((0, 2)), np.empty(0, dtype=np.uint8))
 BOXES = {"a": box(0, 0, 1, 1), "b": box(2, 0, 3, 1), "c": box(4, 0, 5, 1)}
 
 
@@ -29,7 +29,7 @@ def ground(*parts: Polygon) -> np.ndarray[tuple[int], np.dtype[np.object_]]:
 
 def seen(labels: str, *pairs: str, here: str = "a", position: Point = (0.5, 0.5)) -> SensorMap:
     """Return a sensor map of boxes in a row; `pairs` are links, like "ab"."""
-    zones = tuple(Zone(label, BOXES[label], NOTHING) for label in labels)
+    zones = tuple(Zone(label, Extent.of(BOXES[label])) for label in labels)
     ends = [(pair[0], pair[1]) for pair in pairs]
     links = tuple(Link(source, target, partial(ground, BOXES[target])) for source, target in ends)
     return SensorMap(position, zones, here, links)

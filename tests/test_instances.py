@@ -12,6 +12,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 from shapely import box
 
+from semtopo.fusion import Extent
 from semtopo.geometry import Region
 from semtopo.graph import (
     NodeFound,
@@ -27,11 +28,10 @@ from semtopo.runs import LabelledRuns, from_runs
 from semtopo.sensor import Sensor
 from semtopo.types import Edges, Identity, Kind, MappingOptions, Passages, Point, Pose
 from semtopo.world import World
-from semtopo.zones import Border, SensorMap, Zone
+from semtopo.zones import SensorMap, Zone
 from tests.plans import TWO_DOORS, drawn
 from tests.strategies import Scene, instances, labelled_runs, many, patient, poses, scenes
 
-NOTHING = Border(np.empty((0, 2)), np.empty(0, dtype=np.uint8))
 FINE = Sensor(beams=180, range=6.0, samples=60)
 SEEN = MappingOptions(identity=Identity.INSTANCE)
 EACH = MappingOptions(edges=Edges.ADJACENT, identity=Identity.INSTANCE, passages=Passages.ALL)
@@ -66,7 +66,7 @@ def seen(here: str, *zones: tuple[str, Region]) -> SensorMap:
     parts: Counter[str] = Counter()
     made = []
     for label, region in zones:
-        made.append(Zone(label, region, NOTHING, parts[label]))
+        made.append(Zone(label, Extent.of(region), parts[label]))
         parts[label] += 1
     return SensorMap((99.0, 99.0), tuple(sorted(made, key=lambda zone: zone.name)), here, ())
 

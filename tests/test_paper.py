@@ -290,9 +290,10 @@ def test_border_points_equal_the_literal_ones() -> None:
     for label, zone in step(len(path()), 36).state.metric.zones.items():
         vertices = {rounded(x, y) for x, y in shapely.get_coordinates(zone.region).tolist()}
         wanted = {it: why for it, why in claims[label].items() if it in vertices and why}
-        places = [rounded(x, y) for x, y in zone.border.xy.tolist()]
+        xy, occupancy = zone.border.points()
+        places = [rounded(x, y) for x, y in xy.tolist()]
         assert len(places) > 10
-        assert dict(zip(places, zone.border.occupancy.tolist(), strict=True)) == wanted
+        assert dict(zip(places, occupancy.tolist(), strict=True)) == wanted
 
 
 def rounded(x: float, y: float) -> Point:

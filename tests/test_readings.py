@@ -66,8 +66,8 @@ def test_r1_bearings_divide_by_the_number_of_beams_and_turn_clockwise_from_y() -
     sensor = Sensor(beams=8, samples=20)
     angles = [2 * math.pi * i / 8 for i in range(8)]
     wanted = [[math.sin(angle), math.cos(angle)] for angle in angles]
-    np.testing.assert_allclose(sensor.directions, wanted, atol=1e-15)
-    np.testing.assert_allclose(sensor.directions[:3, 0], [0, math.sqrt(0.5), 1], atol=1e-15)
+    np.testing.assert_allclose(sensor.fan.directions, wanted, atol=1e-15)
+    np.testing.assert_allclose(sensor.fan.directions[:3, 0], [0, math.sqrt(0.5), 1], atol=1e-15)
 
 
 def test_r2_a_beam_ends_at_its_first_obstacle() -> None:
@@ -248,9 +248,10 @@ def test_r13_unknown_is_no_zone_no_passage_and_no_obstacle() -> None:
     assert [zone.label for zone in found.zones] == ["a", "b"]
     assert found.links == ()  # nobody knows whether one may pass
     zone = found.zones[0]
-    ends = np.linalg.norm(zone.border.xy, axis=1)
+    xy, occupancy = zone.border.points()
+    ends = np.linalg.norm(xy, axis=1)
     np.testing.assert_allclose(ends, 1.0)
-    assert zone.border.occupancy.tolist() == [FREE, FREE]
+    assert occupancy.tolist() == [FREE, FREE]
 
 
 def test_r14_one_label_in_two_places_is_one_zone() -> None:

@@ -43,16 +43,14 @@ from semtopo.render.layout import Nodes, lay_out
 from semtopo.render.palette import OCCUPANCY, ROUTE, shade
 from semtopo.sensor import Sensor
 from semtopo.types import Occupancy, Point
-from semtopo.zones import Border
+from tests.extents import all_around
 
 EXAMPLE = Path(__file__).parents[1] / "examples" / "paper"
 NO_PATH = shapely.Point()
 
 
 def mapped(label: str, region: Region) -> MappedZone:
-    xy = shapely.get_coordinates(region)
-    border = Border(xy, np.full(len(xy), Occupancy.OBSTACLE, dtype=np.uint8))
-    return MappedZone(label, label, region, border, since=1, seq=1)
+    return MappedZone(label, label, all_around(region, Occupancy.OBSTACLE), since=1, seq=1)
 
 
 def state_of(zones: Mapping[str, Region], *edges: tuple[str, str]) -> MapState:

@@ -72,8 +72,8 @@ def test_one_beam(beam: Beam, wanted: list[Interval]) -> None:
 def test_intervals_equal_the_oracles(seen: LabelledRuns, pose: Pose) -> None:
     scan, wanted = from_runs(pose, seen), oracle.analyse_runs(pose, seen)
     assert spelled(scan) == wanted.beams
-    assert scan.ring == wanted.ring
-    np.testing.assert_allclose(scan.directions, wanted.directions, atol=1e-12)
+    assert scan.fan.ring == wanted.ring
+    np.testing.assert_allclose(scan.fan.directions, wanted.directions, atol=1e-12)
 
 
 @pytest.mark.parametrize(

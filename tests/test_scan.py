@@ -78,7 +78,7 @@ def spelled(scan: Scan) -> list[list[Interval]]:
     """Return the intervals of a scan beam by beam, as the oracle says them."""
     spans = scan.intervals
     names = {NOWHERE: "", **dict(enumerate(scan.labels))}
-    rows: list[list[Interval]] = [[] for _ in scan.directions]
+    rows: list[list[Interval]] = [[] for _ in scan.fan.directions]
     for i in range(len(spans)):
         rows[spans.beam[i]].append(
             Interval(
@@ -101,8 +101,8 @@ def test_intervals_equal_the_oracles(scene: Scene) -> None:
         scan = scan_world(scene.world, scene.sensor, position)
         wanted = oracle.analyse(scene.world, scene.sensor, position)
         assert spelled(scan) == wanted.beams
-        np.testing.assert_allclose(scan.directions, wanted.directions, atol=1e-15)
-        assert scan.ring
+        np.testing.assert_allclose(scan.fan.directions, wanted.directions, atol=1e-15)
+        assert scan.fan.ring
         assert scan.position == position
 
 
@@ -136,7 +136,7 @@ def test_ends_are_the_last_points_of_the_beams(scene: Scene) -> None:
     scan = scan_world(scene.world, scene.sensor, scene.walk[0])
     ends, occupancy = scan.ends()
     far, intervals = scan.far_points(), scan.intervals
-    for beam in range(len(scan.directions)):
+    for beam in range(len(scan.fan)):
         (mine,) = np.nonzero(intervals.beam == beam)
         if len(mine) == 0:
             assert tuple(ends[beam]) == scan.position

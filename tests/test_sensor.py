@@ -27,7 +27,7 @@ def words(seen: Measurement) -> list[list[oracle.Sample]]:
 
 def test_four_beams_look_north_east_south_west() -> None:
     wanted = [[0, 1], [1, 0], [0, -1], [-1, 0]]
-    np.testing.assert_allclose(Sensor(beams=4).directions, wanted, atol=1e-15)
+    np.testing.assert_allclose(Sensor(beams=4).fan.directions, wanted, atol=1e-15)
 
 
 def test_samples_are_evenly_spaced_up_to_the_range() -> None:

@@ -17,8 +17,9 @@ from semtopo.scan import Scan
 from semtopo.sensor import Sensor
 from semtopo.strips import find_strips
 from semtopo.types import Edges, Kind, MappingOptions, Occupancy, Pose
-from semtopo.zones import Border, SensorMap, Zone, extract
+from semtopo.zones import SensorMap, Zone, extract
 from tests import oracle
+from tests.extents import claims_of
 from tests.plans import THREE_IN_A_ROW, TWO_ROOMS, drawn
 from tests.strategies import Scene, labelled_runs, many, options, poses, quick, scenes
 
@@ -69,8 +70,9 @@ def check_sound(scan: Scan, found: SensorMap) -> None:
 def check_border(zone: Zone) -> None:
     """Every border point is a vertex, stands once for each reason, and has a reason."""
     vertices = {tuple(xy) for xy in shapely.get_coordinates(zone.region).tolist()}
-    assert {tuple(xy) for xy in zone.border.xy.tolist()} <= vertices
-    assert (zone.border.occupancy > Occupancy.NONE).all()
+    xy, occupancy = zone.border.points()
+    assert set(map(tuple, xy.tolist())) <= vertices
+    assert (occupancy > Occupancy.NONE).all()
 
 
 @quick
@@ -176,11 +178,8 @@ def test_border_of_a_room() -> None:
     """Four beams in a room with a door: three ends at walls, one in the doorway."""
     scan = scan_world(drawn(TWO_ROOMS), Sensor(4, 2.0, 20), (2.03, 2.53))
     (zone,) = extract(scan, MappingOptions()).zones
-    found = {(round(x, 2), round(y, 2)) for x, y in zone.border.xy.tolist()}
-    assert found == {(2.03, 3.93), (2.93, 2.53), (2.03, 1.03), (1.03, 2.53)}
-    why = dict(
-        zip(map(tuple, zone.border.xy.round(2).tolist()), zone.border.occupancy, strict=True)
-    )
+    why = {(round(x, 2), round(y, 2)): it for (x, y), it in claims_of(zone.border).items()}
+    assert set(why) == {(2.03, 3.93), (2.93, 2.53), (2.03, 1.03), (1.03, 2.53)}
     assert why[(2.93, 2.53)] == Occupancy.PASSAGE
     assert why[(1.03, 2.53)] == Occupancy.OBSTACLE
 
@@ -191,17 +190,6 @@ def test_far_room_has_passage_and_wall_points() -> None:
     assert set(zones) == {"a", "b", "c"}
     wanted = {Occupancy.PASSAGE, Occupancy.OBSTACLE}
     assert wanted <= set(map(Occupancy, zones["b"].border.occupancy.tolist()))
-
-
-def test_of_two_claims_on_one_place_the_greater_holds() -> None:
-    free = Border(np.array([(1.0, 2.0), (0.0, 0.0)]), np.array([1, 1], dtype=np.uint8))
-    wall = Border(np.array([(1.0, 2.0), (1.0, 3.0)]), np.array([3, 2], dtype=np.uint8))
-    region = shapely.Polygon([(0, 0), (1, 2), (1, 3)])
-    for one, other in ((free, wall), (wall, free)):
-        joined = one.updated(other, region, (-1, -1, 4, 4))
-        claims = dict(zip(map(tuple, joined.xy.tolist()), joined.occupancy.tolist(), strict=True))
-        assert claims == {(0.0, 0.0): 1, (1.0, 2.0): 3, (1.0, 3.0): 2}
-        assert len(joined.xy) == 3
 
 
 @pytest.mark.parametrize("heading", range(12))
@@ -252,7 +240,7 @@ def test_runs_are_not_vacuous() -> None:
         counts["doubles"] += any(
             len(np.unique(side)) < len(side) for side in (strips.left, strips.right)
         )
-        counts["fans"] += not scan.ring
+        counts["fans"] += not scan.fan.ring
 
     count()
     assert counts["zones"] > 0.9 * counts["all"]

@@ -204,7 +204,7 @@ def frontiers(atlas: Atlas, question: FrontiersQuestion) -> FrontiersAnswer:
     """
     zone = zone_of(atlas, question.zone)
     mapped = atlas.state.metric.zones[zone]
-    if len(mapped.border.xy) == 0:
+    if not mapped.border.is_known:
         raise UnknownBorderError("The map holds no borders, so its frontiers are not known.")
     free = [piece.line for piece in border_pieces(mapped) if piece.occupancy is Occupancy.FREE]
     found = sorted(_frontiers(free), key=lambda one: -one.length)

@@ -111,7 +111,7 @@ def _one_route(atlas: Atlas, start: Place, leg: Leg) -> Route:
 
 def _known_frontier(atlas: Atlas, gap: NoRouteError) -> NearestFrontier | None:
     """Return the frontier of a gap; in a map without borders, none is known."""
-    if gap.frontier is None or len(atlas.state.metric.zones[gap.frontier.zone_id].border.xy) == 0:
+    if gap.frontier is None or not atlas.state.metric.zones[gap.frontier.zone_id].border.is_known:
         return None
     return gap.frontier
 

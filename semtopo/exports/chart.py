@@ -31,9 +31,8 @@ class Chart:
     def __post_init__(self) -> None:
         """Turn all rings as they are written, so that a map read back gives the same bytes."""
         metric = self.state.metric
-        zones = {key: replace(it, region=_turned(it.region)) for key, it in metric.zones.items()}
         known = {key: replace(it, region=_turned(it.region)) for key, it in metric.doorways.items()}
-        turned = MetricMap(zones, Doorways(known))
+        turned = MetricMap(dict(metric.zones), Doorways(known))
         object.__setattr__(self, "state", replace(self.state, metric=turned))
 
 

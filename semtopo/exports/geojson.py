@@ -14,6 +14,7 @@ from semtopo.codec import Document, region_document, to_json, zone_feature, zone
 from semtopo.doorways import Doorway, DoorwayKey, Doorways
 from semtopo.errors import InvalidMapError
 from semtopo.exports.chart import Chart
+from semtopo.fusion import Extent
 from semtopo.geometry import Box, Region, polygonal
 from semtopo.graph import Passage
 from semtopo.mapper import MapState
@@ -105,7 +106,9 @@ def bordered(state: MapState, borders: Iterable[Document]) -> MapState:
             pieces.setdefault(about["zone_id"], []).append(piece)
         zones = dict(state.metric.zones)
         for zone_id, found in pieces.items():
-            zones[zone_id] = replace(zones[zone_id], border=PiecedBorder.of(found))
+            zone = zones[zone_id]
+            border = PiecedBorder.of_pieces(zone.border, found)
+            zones[zone_id] = replace(zone, extent=Extent(zone.region, border))
     except (LookupError, TypeError, ValueError, AttributeError) as error:
         raise InvalidMapError("these are not the borders of the map") from error
     return replace(state, metric=replace(state.metric, zones=zones))

@@ -95,8 +95,9 @@ def _frontiers(zones: Sequence[MappedZone], frame: Frame) -> Iterator[str]:
 
 def _borders(zones: Sequence[MappedZone], frame: Frame) -> Iterator[str]:
     """Yield the border points of all zones, one path for each occupancy."""
+    points = [zone.border.points() for zone in zones]
     for meaning, colour in OCCUPANCY.items():
-        chosen = [zone.border.xy[zone.border.occupancy == meaning] for zone in zones]
+        chosen = [xy[occupancy == meaning] for xy, occupancy in points]
         dots = _thinned(frame.pixels(np.concatenate([np.empty((0, 2)), *chosen])))
         if len(dots):
             yield svg.element(

@@ -114,5 +114,5 @@ def add_zone_versions(
 
 
 def _zone(row: Any) -> MappedZone:  # noqa: ANN401 -- rows of two queries, typed by neither
-    region, border, core = shape_from(row.region, row.border)
-    return MappedZone(row.zone_id, row.label, region, border, row.since, row.seq, core)
+    ground, core = shape_from(row.region, row.border)
+    return MappedZone(row.zone_id, row.label, ground, row.since, row.seq, core)

@@ -16,10 +16,17 @@ from alembic.migration import MigrationContext
 from sqlalchemy import insert, inspect, text
 from sqlalchemy.exc import DBAPIError
 
+from semtopo.formats import read_world
+from semtopo.mapper import explore
+from semtopo.sensor import Sensor
+from semtopo.types import MappingOptions, Occupancy
+from semtopo.wkb import shape_bytes, shape_from
 from service import store
 from service.database import Database, migrate, migration_config, open_database
 from service.tables import metadata, passages, sessions, zones
 from tests.service.twin import ROOT
+
+WORLD = ROOT / "examples" / "paper" / "world.json"
 
 pytestmark = pytest.mark.databases("sqlite", "postgres")
 
@@ -185,7 +192,7 @@ def test_alembic_at_the_command_line_finds_its_settings(url: str) -> None:
         check=False,
     )
     assert done.returncode == 0, done.stderr
-    assert "0005 (head)" in done.stdout
+    assert "0006 (head)" in done.stdout
 
 
 def test_worlds_of_an_older_database_stay(database: Database) -> None:
@@ -224,3 +231,37 @@ def test_passages_of_an_older_database_stay(database: Database) -> None:
         command.downgrade(migration_config(connection), "0001")
         assert len(connection.execute(text("SELECT * FROM passages")).all()) == 1
         assert len(connection.execute(text("SELECT * FROM zones")).all()) == 2
+
+
+@pytest.mark.parametrize("tolerance", [0.0, 0.02])
+def test_borders_of_an_older_database_stay(database: Database, tolerance: float) -> None:
+    """Points on borders were stored with their places; what lies between them follows."""
+    options = MappingOptions(tolerance=tolerance)
+    walk = [(1.0, 6.0), (2.03, 6.03), (2.0, 7.0)]
+    *_, last = explore(read_world(WORLD.read_bytes()), Sensor(36, 2.0, 20), walk, options)
+    mapped = last.state.metric.zones.values()
+    with database.writer.begin() as connection:
+        number = connection.scalar(insert(sessions).values(SESSION).returning(sessions.c.number))
+        for position, zone in enumerate(mapped):
+            region, border = shape_bytes(zone)
+            about = {"zone_id": zone.zone_id, "label": zone.label, "since": 1, "seq": zone.seq}
+            place = {"session": number, "position": position, "region": region, "border": border}
+            connection.execute(insert(zones).values(about | place))
+        command.downgrade(migration_config(connection), "0005")
+        stored = connection.execute(zones.select().order_by(zones.c.position)).all()
+        for zone, row in zip(mapped, stored, strict=True):
+            known = len((zone.core or zone).border.occupancy.nonzero()[0])
+            assert len(row.border) == 17 * known + (8 if tolerance else 0)
+    migrate(database.writer)
+    with database.reader.begin() as connection:
+        stored = connection.execute(zones.select().order_by(zones.c.position)).all()
+        for zone, row in zip(mapped, stored, strict=True):
+            extent, core = shape_from(row.region, row.border)
+            assert extent.region.equals_exact(zone.region)
+            assert (core is None) == (tolerance == 0)
+            found, wanted = (core or extent).border, (zone.core or zone).border
+            assert found.xy.tobytes() == wanted.xy.tobytes()
+            assert found.occupancy.tolist() == wanted.occupancy.tolist()
+            walls = wanted.sides == Occupancy.OBSTACLE
+            assert (found.sides[walls] == Occupancy.OBSTACLE).sum() >= 0.8 * walls.sum()
+            assert (found.sides > Occupancy.NONE).all()
