@@ -45,7 +45,7 @@ Readings of the paper, where it is silent or misprinted; each is cited at its li
 """
 
 from semtopo.answers import Answer, History, answer, answer_question, understand
-from semtopo.atlas import Atlas, LabelRef, Limits, Restriction, ZoneNotes, ZoneRef
+from semtopo.atlas import Atlas, Limits
 from semtopo.borders import BorderPiece, border_pieces
 from semtopo.codec import graph_body, zones_body
 from semtopo.documents import (
@@ -100,6 +100,7 @@ from semtopo.graph import (
 from semtopo.mapper import MapState, Stage, Step, explore, run, scan_world, step
 from semtopo.metric import MappedZone, MetricMap
 from semtopo.names import closest_names, resolve, resolve_class, resolve_one
+from semtopo.notes import LabelRef, Restriction, ZoneNotes, ZoneRef
 from semtopo.phrases import phrase
 from semtopo.readback import read_map
 from semtopo.reading import parse

@@ -9,75 +9,20 @@ from __future__ import annotations
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, field
 from types import MappingProxyType
-from typing import TypeAlias
 
-from semtopo.errors import InvalidRestrictionError
+from semtopo.following import notes_now, restrictions_now
 from semtopo.graph import PassageKey
 from semtopo.mapper import MapState
-
-FACTOR_MIN, FACTOR_MAX = 0.001, 1_000_000.0
-"""How much less or more a restriction may let a way cost: a thousandth, a million times."""
-
-
-@dataclass(frozen=True, slots=True)
-class ZoneNotes:
-    """What people call a zone beside its label: other names for it, and the class it is of."""
-
-    aliases: tuple[str, ...] = ()
-    zone_class: str | None = None
-
-
-@dataclass(frozen=True, slots=True)
-class ZoneRef:
-    """One zone, by its id."""
-
-    zone_id: str
-
-
-@dataclass(frozen=True, slots=True)
-class LabelRef:
-    """Every zone of a label."""
-
-    label: str
-
-
-Restricted: TypeAlias = PassageKey | ZoneRef | LabelRef
-"""What a restriction is on: one passage, one zone, or all zones of a label."""
-
-
-@dataclass(frozen=True, slots=True)
-class Restriction:
-    """Something is closed, or costs `factor` times what it costs else.
-
-    It holds while the time is before `expires_at`, in s since the epoch; always, if that is `None`.
-    `since` is the step after which it was made.
-
-    Raises
-    ------
-    InvalidRestrictionError
-        The factor is not between `FACTOR_MIN` and `FACTOR_MAX`.
-    """
-
-    id: str
-    on: Restricted
-    closed: bool = False
-    factor: float = 1.0
-    expires_at: float | None = None
-    since: int = 0
-
-    def __post_init__(self) -> None:
-        """Refuse a factor out of range."""
-        if not FACTOR_MIN <= self.factor <= FACTOR_MAX:
-            raise InvalidRestrictionError(f"factor must be {FACTOR_MIN} to {FACTOR_MAX:.0f}")
-
-    def holds(self, now: float) -> bool:
-        """Say whether it holds at a time."""
-        return self.expires_at is None or now < self.expires_at
+from semtopo.notes import LabelRef, Restriction, ZoneNotes, ZoneRef
 
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Atlas:
-    """A map with notes by zone id and restrictions, at the time `now` in s since the epoch."""
+    """A map with notes by zone id and restrictions, at the time `now` in s since the epoch.
+
+    What was noted on a zone or a passage that has become a part of another holds for that (R10,
+    R14).
+    """
 
     state: MapState
     notes: Mapping[str, ZoneNotes] = field(default_factory=dict)
@@ -85,9 +30,11 @@ class Atlas:
     now: float = 0.0
 
     def __post_init__(self) -> None:
-        """Let nobody change the notes from here on."""
-        if not isinstance(self.notes, MappingProxyType):
-            object.__setattr__(self, "notes", MappingProxyType(self.notes))
+        """Let notes follow what they are on, and nobody change them from here on."""
+        known = self.notes
+        fixed = known if isinstance(known, MappingProxyType) else MappingProxyType(known)
+        object.__setattr__(self, "notes", notes_now(self.state, fixed))
+        object.__setattr__(self, "restrictions", restrictions_now(self.state, self.restrictions))
 
     @property
     def limits(self) -> Limits:

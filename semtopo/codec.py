@@ -15,7 +15,7 @@ import shapely
 from shapely import Polygon
 
 from semtopo.answers import Answer
-from semtopo.atlas import Limits, ZoneNotes
+from semtopo.atlas import Limits
 from semtopo.geometry import Box, Region
 from semtopo.graph import (
     Event,
@@ -28,6 +28,7 @@ from semtopo.graph import (
 )
 from semtopo.mapper import MapState, Step
 from semtopo.metric import MappedZone
+from semtopo.notes import ZoneNotes
 from semtopo.route import Route
 
 Document: TypeAlias = dict[str, Any]

@@ -10,10 +10,12 @@ import unicodedata
 from collections.abc import Callable, Iterable, Mapping
 from functools import cached_property, lru_cache
 
-from semtopo.atlas import Atlas, ZoneNotes
+from semtopo.atlas import Atlas
 from semtopo.errors import AmbiguousZoneError, UnknownZoneError
+from semtopo.following import Former, Same, zone_now
 from semtopo.graph import TopologyGraph
 from semtopo.likeness import NameLikeness
+from semtopo.notes import ZoneNotes
 
 NAMES_TOLD_MAX = 5
 """How many close names or candidates are told."""
@@ -29,7 +31,8 @@ def resolve(atlas: Atlas, name: str) -> tuple[str, ...]:
     """Return the zones that a name means, in order of finding: an id, a label, an alias or a class.
 
     The first of these that fits wins; a label or a class may mean several zones. What fits as it is
-    written wins over what fits but for case.
+    written wins over what fits but for case. Last comes the id of a zone that has become a part of
+    another (R14): it means that one.
 
     Raises
     ------
@@ -133,15 +136,20 @@ class Tier:
 class Directory:
     """All names of a map: ids, labels, aliases, classes."""
 
-    def __init__(self, graph: TopologyGraph, notes: Mapping[str, ZoneNotes]) -> None:
-        """Take the zones of a map, and what they are called besides."""
+    def __init__(
+        self, graph: TopologyGraph, notes: Mapping[str, ZoneNotes], former: Former
+    ) -> None:
+        """Take the zones of a map, what they are called besides, and where former ones went."""
         self.ids, self.labels = _tiers_of_graph(graph)
         noted = [(zone, notes[zone]) for zone in graph.nodes if zone in notes] if notes else []
         self.aliases = Tier((alias, zone) for zone, of in noted for alias in of.aliases)
         self.classes = Tier(
             (of.zone_class, zone) for zone, of in noted if of.zone_class is not None
         )
-        self.tiers = (self.ids, self.labels, self.aliases, self.classes)
+        ended = ((it, zone_now(graph, former, it)) for it in former if it not in graph.nodes)
+        self.former = Tier((it, now) for it, now in ended if now in graph.nodes)
+        self.current = (self.ids, self.labels, self.aliases, self.classes)
+        self.tiers = (*self.current, self.former)
 
     @cached_property
     def folded_names(self) -> frozenset[str]:
@@ -153,7 +161,7 @@ class Directory:
         """Tells which names are like another."""
         forms = {
             _written(name): form
-            for tier in self.tiers
+            for tier in self.current
             for form, names in tier.alike.items()
             for name in names
         }
@@ -162,25 +170,15 @@ class Directory:
 
 def directory_of(atlas: Atlas) -> Directory:
     """Return the names of an atlas; it is kept, for the next question about the same map."""
-    return _directory_of(atlas.state.graph, _Same(atlas.notes))
-
-
-class _Same:
-    """A value that equals itself alone, so that it can be a key."""
-
-    def __init__(self, value: Mapping[str, ZoneNotes]) -> None:
-        self.value = value
-
-    def __eq__(self, other: object) -> bool:
-        return isinstance(other, _Same) and other.value is self.value
-
-    def __hash__(self) -> int:
-        return id(self.value)
+    state = atlas.state
+    return _directory_of(state.graph, Same(atlas.notes), Same(state.metric.former))
 
 
 @lru_cache(maxsize=DIRECTORIES_KEPT)
-def _directory_of(graph: TopologyGraph, notes: _Same) -> Directory:
-    return Directory(graph, notes.value)
+def _directory_of(
+    graph: TopologyGraph, notes: Same[Mapping[str, ZoneNotes]], former: Same[Former]
+) -> Directory:
+    return Directory(graph, notes.value, former.value)
 
 
 @lru_cache(maxsize=DIRECTORIES_KEPT)

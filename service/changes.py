@@ -13,9 +13,10 @@ from unicodedata import normalize
 
 import orjson
 
-from semtopo import LabelRef, Restriction, UnknownZoneError, ZoneNotes, ZoneRef, resolve_one
-from semtopo.atlas import Restricted
+from semtopo import Atlas, LabelRef, Restriction, UnknownZoneError, ZoneNotes, ZoneRef, resolve_one
+from semtopo.following import zone_now
 from semtopo.names import closest_names
+from semtopo.notes import Restricted
 from service import store
 from service.clock import now, seconds
 from service.errors import (
@@ -83,10 +84,13 @@ class Changes:
         """
 
         def work(hot: HotSession) -> tuple[str, str] | None:
-            _check_names(hot, zone_id, notes)
-            if hot.notes.zones.get(zone_id, ZoneNotes()) == notes:
+            atlas = _atlas(hot)
+            _check_names(atlas, zone_id, notes)
+            if atlas.notes.get(zone_id, ZoneNotes()) == notes:
                 return None
-            return ZONE, zone_document(zone_id, notes)
+            graph, former = atlas.state.graph, atlas.state.metric.former
+            merged = [it for it in hot.notes.zones if zone_now(graph, former, it) == zone_id]
+            return ZONE, zone_document(zone_id, notes, [it for it in merged if it != zone_id])
 
         return await self._change(session_id, work)
 
@@ -103,16 +107,18 @@ class Changes:
         made: list[tuple[Restriction, bool]] = []
 
         def work(hot: HotSession) -> tuple[str, str] | None:
-            new = _restriction(hot, asked)
-            holding = {it.id: it for it in in_force(hot)}
-            made.append((new, new.id not in holding))
-            known = holding.get(new.id)
-            if known is not None and replace(known, since=new.since) == new:
-                made.append((known, False))
-                return None
-            if len(holding) >= RESTRICTIONS_MAX and known is None:
+            atlas = _atlas(hot)
+            new, holding = _restriction(atlas, asked), in_force(atlas)
+            known = [it for it in holding if it.on == new.on]
+            if known:
+                new = replace(new, id=known[0].id)
+            elif len(holding) >= RESTRICTIONS_MAX:
                 raise NotesFullError(f"a session has at most {RESTRICTIONS_MAX} restrictions")
-            return RESTRICTION, restriction_document(new)
+            if len(known) == 1 and replace(known[0], since=new.since, was=None) == new:
+                made.append((known[0], False))
+                return None
+            made.append((new, not known))
+            return RESTRICTION, restriction_document(new, [it.id for it in known[1:]])
 
         await self._change(session_id, work)
         return made[-1]
@@ -121,7 +127,7 @@ class Changes:
         """Lift a restriction; raises UnknownRestrictionError."""
 
         def work(hot: HotSession) -> tuple[str, str]:
-            if all(it.id != restriction_id for it in in_force(hot)):
+            if all(it.id != restriction_id for it in in_force(_atlas(hot))):
                 raise UnknownRestrictionError("the session has no such restriction")
             return LIFTED, orjson.dumps({"id": restriction_id}).decode()
 
@@ -154,23 +160,25 @@ class Changes:
             raise
 
 
-def in_force(hot: HotSession) -> list[Restriction]:
-    """Return the restrictions of a session that hold now, the oldest first."""
-    time = seconds()
-    return [it for it in hot.notes.restrictions.values() if it.holds(time)]
+def _atlas(hot: HotSession) -> Atlas:
+    return hot.notes.atlas(hot.state, seconds())
 
 
-def _check_names(hot: HotSession, zone_id: str, notes: ZoneNotes) -> None:
+def in_force(atlas: Atlas) -> list[Restriction]:
+    """Return the restrictions that hold in an atlas, the oldest first."""
+    return [it for it in atlas.restrictions if it.holds(atlas.now)]
+
+
+def _check_names(atlas: Atlas, zone_id: str, notes: ZoneNotes) -> None:
     """Refuse notes on no zone, and aliases that name another one."""
-    nodes = hot.state.graph.nodes
+    nodes = atlas.state.graph.nodes
     if zone_id not in nodes:
-        close = closest_names(hot.notes.atlas(hot.state, seconds()), zone_id)
-        raise UnknownZoneError("the map has no zone of that id", close)
+        raise UnknownZoneError("the map has no zone of that id", closest_names(atlas, zone_id))
     wanted = set(map(_folded, notes.aliases))
     for node in nodes.values() if wanted else ():
         if node.zone_id == zone_id:
             continue
-        names = {node.zone_id, node.label, *hot.notes.zones.get(node.zone_id, ZoneNotes()).aliases}
+        names = {node.zone_id, node.label, *atlas.notes.get(node.zone_id, ZoneNotes()).aliases}
         if wanted & set(map(_folded, names)):
             raise NameTakenError("an alias is the name of another zone")
 
@@ -179,18 +187,18 @@ def _folded(name: str) -> str:
     return normalize("NFC", normalize("NFC", name).casefold())
 
 
-def _restriction(hot: HotSession, asked: Restrict) -> Restriction:
-    """Return the restriction that is asked for, on the session as it is."""
-    on = _restricted(hot, asked)
+def _restriction(atlas: Atlas, asked: Restrict) -> Restriction:
+    """Return the restriction that is asked for, on the map as it is."""
+    on = _restricted(atlas, asked)
     name = hashlib.sha256(orjson.dumps(on_document(on))).hexdigest()[:16]
     ends = None if asked.expires_in is None else seconds() + asked.expires_in
-    return Restriction(name, on, asked.closed, asked.factor, ends, since=hot.seq)
+    return Restriction(name, on, asked.closed, asked.factor, ends, since=atlas.state.seq)
 
 
-def _restricted(hot: HotSession, asked: Restrict) -> Restricted:
-    atlas = hot.notes.atlas(hot.state, seconds())
+def _restricted(atlas: Atlas, asked: Restrict) -> Restricted:
+    graph = atlas.state.graph
     if asked.label is not None:
-        if all(node.label != asked.label for node in hot.state.graph.nodes.values()):
+        if all(node.label != asked.label for node in graph.nodes.values()):
             close = closest_names(atlas, asked.label)
             raise UnknownZoneError("the map has no zone of that label", close)
         return LabelRef(asked.label)
@@ -199,6 +207,6 @@ def _restricted(hot: HotSession, asked: Restrict) -> Restricted:
         return ZoneRef(resolve_one(atlas, asked.zone))
     source, target, number = asked.passage
     key = (resolve_one(atlas, source), resolve_one(atlas, target), number)
-    if key not in hot.state.graph.passages:
+    if key not in graph.passages:
         raise UnknownPassageError("the map has no such passage")
     return key

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import asyncio
 from collections.abc import Awaitable, Callable
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import partial
 
 from semtopo import (
@@ -51,6 +51,12 @@ class Moment:
         """Return the map with its notes."""
         return self.notes.atlas(state, self.now)
 
+    def graph_body(self) -> bytes:
+        """Return the graph with its notes; that of today knows what it was at earlier steps."""
+        graph = self.hot.state.graph.at(self.seq)
+        atlas = self.atlas(replace(self.hot.state, seq=self.seq, graph=graph))
+        return graph_body(graph, self.seq, atlas.notes, atlas.limits)
+
 
 class Maps:
     """The maps of all sessions, for those who read them."""
@@ -92,11 +98,7 @@ class Maps:
         key = (moment.tag, "graph")
         body = self._bodies.get(key)
         if body is None:
-            state, seq, notes = moment.hot.state, moment.seq, moment.notes.zones
-            # passages are never moved nor removed, so an earlier graph is a part of this one
-            content = await asyncio.to_thread(
-                lambda: graph_body(state.graph.at(seq), seq, notes, moment.atlas(state).limits)
-            )
+            content = await asyncio.to_thread(moment.graph_body)
             body = Body(content, moment.tag)
             self._bodies.put(key, body)
         return body

@@ -5,7 +5,7 @@ In come stored changes, in order; out goes what holds after them.
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Mapping
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, field
 from datetime import datetime
 from types import MappingProxyType
@@ -14,7 +14,7 @@ from typing import Any
 import orjson
 
 from semtopo import Atlas, LabelRef, MapState, Restriction, ZoneNotes, ZoneRef
-from semtopo.atlas import Restricted
+from semtopo.notes import Restricted
 from service.store import Change
 
 ZONE, RESTRICTION, LIFTED = "zone", "restriction", "lifted"
@@ -41,8 +41,10 @@ class Notes:
             revision = change.number
             match change.kind:
                 case "zone":
+                    _drop(zones, given)
                     zones[given["zone"]] = ZoneNotes(tuple(given["aliases"]), given["class"])
                 case "restriction":
+                    _drop(restrictions, given)
                     restrictions[given["id"]] = _restriction(given, change.seq)
                 case _:
                     restrictions.pop(given["id"], None)
@@ -63,19 +65,29 @@ class Notes:
         return f"-{self.revision}.{ended}" if ended else f"-{self.revision}"
 
 
-def zone_document(zone_id: str, notes: ZoneNotes) -> str:
-    """Return the notes on a zone as they are stored."""
+def zone_document(zone_id: str, notes: ZoneNotes, over: Sequence[str] = ()) -> str:
+    """Return the notes on a zone as they are stored; those on zones `over` are no more."""
     given = {"zone": zone_id, "aliases": notes.aliases, "class": notes.zone_class}
-    return orjson.dumps(given).decode()
+    return orjson.dumps({**given, **_over(over)}).decode()
 
 
-def restriction_document(one: Restriction) -> str:
-    """Return a restriction as it is stored."""
+def restriction_document(one: Restriction, over: Sequence[str] = ()) -> str:
+    """Return a restriction as it is stored; those with ids `over` are no more."""
     given = {
         "id": one.id, **on_document(one.on), "closed": one.closed, "factor": one.factor,
         "expires_at": one.expires_at,
     }  # fmt: skip
-    return orjson.dumps(given).decode()
+    return orjson.dumps({**given, **_over(over)}).decode()
+
+
+def _over(ids: Sequence[str]) -> dict[str, Any]:
+    return {"over": ids} if ids else {}
+
+
+def _drop(noted: dict[str, Any], given: Mapping[str, Any]) -> None:
+    """Remove what a change takes the place of, beside what has the same id."""
+    for one in given.get("over", ()):
+        noted.pop(one, None)
 
 
 def on_document(on: Restricted) -> dict[str, Any]:

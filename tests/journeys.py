@@ -14,9 +14,10 @@ import numpy as np
 import shapely
 from hypothesis import strategies as st
 
-from semtopo.atlas import Atlas, LabelRef, Restriction, ZoneRef
+from semtopo.atlas import Atlas
 from semtopo.geometry import Region, polygonal
 from semtopo.graph import Passage
+from semtopo.notes import LabelRef, Restriction, ZoneRef
 from semtopo.route import CostModel, Place, Route, RouteRequest
 from semtopo.types import Point
 from tests.atlases import atlas

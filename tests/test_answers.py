@@ -32,7 +32,7 @@ from semtopo.answers.values import (
     SeenAnswer,
     ZonesAnswer,
 )
-from semtopo.atlas import Atlas, Restriction, ZoneNotes, ZoneRef
+from semtopo.atlas import Atlas
 from semtopo.borders import border_pieces
 from semtopo.codec import answer_document, to_json
 from semtopo.errors import (
@@ -45,6 +45,7 @@ from semtopo.errors import (
 )
 from semtopo.errors.ways import MissingPassage, NoRouteError
 from semtopo.mapper import MapState, explore
+from semtopo.notes import Restriction, ZoneNotes, ZoneRef
 from semtopo.questions import Question
 from semtopo.sensor import Sensor
 from semtopo.types import Occupancy

@@ -21,7 +21,7 @@ LAYERS = [
     {"doorways", "sweep"}, {"seams"}, {"fusion"}, {"zones"}, {"core"},
     {"metric"}, {"placement"},
     {"borders", "graph"}, {"findings"}, {"mapper"},
-    {"atlas", "expectations", "grammar", "likeness", "questions"},
+    {"notes"}, {"following"}, {"atlas", "expectations", "grammar", "likeness", "questions"},
     {"errand", "ground"}, {"network"}, {"search"}, {"gap", "journey"}, {"finder"},
     {"names", "phrases", "reading", "route"},
     {"answers"},

@@ -8,10 +8,11 @@ import pytest
 import shapely
 from hypothesis import given
 
-from semtopo.atlas import Atlas, Restriction, ZoneRef
+from semtopo.atlas import Atlas
 from semtopo.errors.ways import ZONES_TOLD_MAX, MissingPassage, NoRouteError
 from semtopo.mapper import MapState
 from semtopo.metric import MappedZone, MetricMap
+from semtopo.notes import Restriction, ZoneRef
 from semtopo.route import Place, RouteRequest, find_routes
 from semtopo.types import Occupancy
 from tests.atlases import Edge, atlas

@@ -8,7 +8,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from semtopo.atlas import Atlas, ZoneNotes
+from semtopo.atlas import Atlas
 from semtopo.errors import AmbiguousZoneError, UnknownZoneError
 from semtopo.names import (
     NAMES_TOLD_MAX,
@@ -18,6 +18,7 @@ from semtopo.names import (
     resolve_class,
     resolve_one,
 )
+from semtopo.notes import ZoneNotes
 from tests.atlases import atlas
 
 OFFICE = atlas(

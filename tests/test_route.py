@@ -14,12 +14,13 @@ import shapely
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from semtopo.atlas import Atlas, LabelRef, Restriction, ZoneRef
+from semtopo.atlas import Atlas
 from semtopo.errors import InvalidOptionError, InvalidRestrictionError, UnknownZoneError
 from semtopo.errors.ways import NoRouteError
 from semtopo.finder import SHARED_MAX
 from semtopo.graph import Passage
 from semtopo.mapper import MapState
+from semtopo.notes import LabelRef, Restriction, ZoneRef
 from semtopo.route import CostModel, Place, Route, RouteRequest, find_routes, widest_place
 from semtopo.types import Point
 from tests.atlases import Edge, atlas

@@ -17,10 +17,11 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from semtopo import finder
-from semtopo.atlas import Atlas, Restriction, ZoneRef
+from semtopo.atlas import Atlas
 from semtopo.errors.ways import NoRouteError
 from semtopo.journey import Place, RouteRequest
 from semtopo.network import CostModel
+from semtopo.notes import Restriction, ZoneRef
 from semtopo.route import find_routes
 from semtopo.types import Point
 from tests.atlases import Edge, atlas

@@ -13,9 +13,10 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from semtopo.answers import answer, understand
-from semtopo.atlas import Atlas, ZoneNotes
+from semtopo.atlas import Atlas
 from semtopo.errors import AmbiguousQuestionError, InvalidQuestionError, SemtopoError
 from semtopo.grammar import reserved_words
+from semtopo.notes import ZoneNotes
 from semtopo.phrases import phrase
 from semtopo.questions import STOPS_MAX, Here, Named, Nearest, PathQuestion, Question
 from tests.atlases import Edge, atlas

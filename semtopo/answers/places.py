@@ -22,10 +22,11 @@ from semtopo.answers.values import (
     ZonePlace,
     ZonesAnswer,
 )
-from semtopo.atlas import Atlas, ZoneNotes
+from semtopo.atlas import Atlas
 from semtopo.borders import border_pieces
 from semtopo.errors import UnknownBorderError, UnknownPositionError
 from semtopo.graph import Passage
+from semtopo.notes import ZoneNotes
 from semtopo.phrases import at, counted, listed
 from semtopo.questions import (
     ClassesQuestion,

@@ -10,6 +10,7 @@ from fastapi import APIRouter, Path, Request, Response
 
 from semtopo import Restriction, ZoneNotes
 from semtopo.documents import LABEL_LENGTH_MAX
+from service.changes import in_force
 from service.notes import on_document
 from service.parameters import AtStep, SessionId, changes_of, maps_of
 from service.replies import JsonBytes
@@ -49,10 +50,9 @@ async def note_zone(
 @router.get("/restrictions", response_model=RestrictionsAnswer)
 async def list_restrictions(request: Request, session_id: SessionId, at: AtStep = None) -> Response:
     """List the restrictions that hold, now or as of a step."""
-    moment = await maps_of(request).moment(session_id, at)
-    holding = [it for it in moment.notes.restrictions.values() if it.holds(moment.now)]
-    listed = [_document(it) for it in holding]
-    return JsonBytes(orjson.dumps({"seq": moment.seq, "restrictions": listed}))
+    atlas = await maps_of(request).atlas(session_id, at)
+    listed = [_document(it) for it in in_force(atlas)]
+    return JsonBytes(orjson.dumps({"seq": atlas.state.seq, "restrictions": listed}))
 
 
 @router.post(
@@ -92,4 +92,5 @@ def _document(one: Restriction) -> dict[str, Any]:
         "factor": one.factor,
         "expires_at": None if ends is None else ends.isoformat(timespec="milliseconds"),
         "since": one.since,
+        **({} if one.was is None else {"was": on_document(one.was)}),
     }

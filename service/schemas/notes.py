@@ -80,17 +80,26 @@ class PassageRestricted(BaseModel):
     n: int | None = None
 
 
-class RestrictionAnswer(BaseModel):
-    """A restriction on a passage, a zone or a label, made after step `since`."""
+class Restricted(BaseModel):
+    """What a restriction is on: a passage, a zone or a label."""
 
-    id: str
     passage: PassageRestricted | None = None
     zone: str | None = None
     label: str | None = None
+
+
+class RestrictionAnswer(Restricted):
+    """A restriction, made after step `since`.
+
+    `was` is what it was made on, where that has become a part of what it is on now.
+    """
+
+    id: str
     closed: bool
     factor: float
     expires_at: str | None
     since: int
+    was: Restricted | None = None
 
 
 class RestrictionsAnswer(BaseModel):
