@@ -79,6 +79,7 @@ from semtopo.errors import (
     UnknownZoneError,
 )
 from semtopo.errors.ways import (
+    GroundlessPassage,
     MissingPassage,
     NearestFrontier,
     NoRouteError,
@@ -124,6 +125,7 @@ __all__ = [
     "Doorways",
     "Edges",
     "FreeSpace",
+    "GroundlessPassage",
     "History",
     "Identity",
     "InvalidInputError",

@@ -138,7 +138,7 @@ class FreeSpace:
         """Return why there is no path between two places of the inset."""
         found = find_bottleneck(self.region, start, goal, self.radius)
         if found is None:
-            return NotConnectedError("start and goal lie in parts of free space that do not meet")
+            return NotConnectedError("Start and goal lie in parts of free space that do not meet.")
         return TooNarrowError(found.point, found.width, 2 * self.radius)
 
     def _proved(self, points: list[Point]) -> Path:

@@ -31,6 +31,29 @@ class Place:
     point: Point | None = None
 
 
+@dataclass(frozen=True, slots=True)
+class WayOptions:
+    """How a robot goes: its `radius` in m, if it wants paths, and if passages are open both ways.
+
+    Raises
+    ------
+    InvalidOptionError
+        The radius is not between 0 and `RADIUS_MAX`.
+    """
+
+    radius: float | None = None
+    two_way: bool = False
+
+    def __post_init__(self) -> None:
+        """Refuse a radius out of range."""
+        if self.radius is not None and not 0 <= self.radius <= RADIUS_MAX:
+            raise InvalidOptionError(f"radius must be 0 to {RADIUS_MAX:.0f} m")
+
+
+ANY_WAY = WayOptions()
+"""Of a robot without extent that uses passages along their direction."""
+
+
 @dataclass(frozen=True, slots=True, kw_only=True)
 class RouteRequest:
     """Asks for routes from a place to the nearest of some goals.

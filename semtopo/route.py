@@ -18,7 +18,13 @@ import shapely
 from semtopo.atlas import Atlas
 from semtopo.doorways import Doorway
 from semtopo.errors import UnknownZoneError
-from semtopo.errors.ways import NoRouteError, OutsideError, TooNarrowError
+from semtopo.errors.ways import (
+    GroundlessPassage,
+    NoRouteError,
+    NotConnectedError,
+    OutsideError,
+    TooNarrowError,
+)
 from semtopo.finder import SHARED_MAX, Finder
 from semtopo.freespace import FreeSpace, Path
 from semtopo.geometry import Region, joined, polygonal
@@ -104,7 +110,26 @@ def _with_paths(atlas: Atlas, request: RouteRequest, radius: float) -> list[Rout
             break
         narrow |= found
     assert best is not None  # noqa: S101 -- a search without a route raises
-    return [replace(best, path=_free_space(atlas, best, radius).path(*_ends(best)))]  # says why not
+    try:
+        return [replace(best, path=_free_space(atlas, best, radius).path(*_ends(best)))]
+    except NotConnectedError as error:
+        raise _groundless(atlas, best) or error from None
+
+
+def _groundless(atlas: Atlas, route: Route) -> NotConnectedError | None:
+    """Return the error that names the first passage of a route without ground, if there is one."""
+    metric = atlas.state.metric
+    for passage in route.passages:
+        ends = metric.zones[passage.source].region, metric.zones[passage.target].region
+        doors = metric.doorways.between(passage.source, passage.target)
+        if not any(all(door.region.intersects(end) for end in ends) for door in doors):
+            source, target, point = passage.source, passage.target, passage.point
+            return NotConnectedError(
+                f"No ground is known between {source} and {target}: the passage at"
+                f" ({point[0]:.1f}, {point[1]:.1f}) was only seen from elsewhere.",
+                GroundlessPassage(source, target, point),
+            )
+    return None
 
 
 def _ends(route: Route) -> tuple[Point, Point]:

@@ -22,6 +22,7 @@ from semtopo.documents import SensorDocument
 from semtopo.errors import InvalidOptionError, SemtopoError
 from semtopo.exports import EXPORTS, RADIUS_MAX, Format
 from semtopo.formats.fault import describe_fault
+from semtopo.journey import WayOptions
 from semtopo.sensor import Sensor
 from semtopo.types import Edges, Identity, MappingOptions, Passages, Sensing
 from service import console
@@ -183,10 +184,16 @@ def route(
     question: Annotated[str, typer.Argument(help='Like "path from corridor to C".')],
     *,
     json: Annotated[bool, typer.Option("--json", help="Answer as JSON.")] = False,
+    radius: Annotated[
+        float | None, typer.Option(help="Of the robot, in m: ways with a path for it.")
+    ] = None,
+    two_way: Annotated[
+        bool, typer.Option("--two-way", help="Use passages against their direction too.")
+    ] = False,
 ) -> None:
     """Answer a question about a map: the way, what lies where, what changed."""
     folder = read_folder(directory)
-    found = answer(folder.atlas, question, folder.history)
+    found = answer(folder.atlas, question, folder.history, WayOptions(radius, two_way))
     typer.echo(codec.to_json(codec.answer_document(found)).decode() if json else found.sentence)
 
 

@@ -16,6 +16,7 @@ from semtopo import (
 )
 from semtopo.codec import graph_body
 from semtopo.exports.sight import sight_body
+from semtopo.journey import WayOptions
 from service.clock import seconds
 from service.history import notes_at, scan_at, state_at
 from service.hot import HotSession, entity_tag
@@ -114,14 +115,15 @@ class Maps:
         moment = await self.moment(session_id, at)
         return moment.atlas(await self._state(moment))
 
-    async def answer(self, session_id: str, text: str) -> Answer:
+    async def answer(self, session_id: str, text: str, options: WayOptions) -> Answer:
         """Return the answer to a sentence; in the thread that it takes, it may read older maps."""
         moment = await self.moment(session_id, None)
 
         def history(seq: int) -> MapState:
             return self._sessions.read_here(partial(state_at, hot=moment.hot, seq=seq))
 
-        return await asyncio.to_thread(answer, moment.atlas(moment.hot.state), text, history)
+        atlas = moment.atlas(moment.hot.state)
+        return await asyncio.to_thread(answer, atlas, text, history, options)
 
     async def moment(self, session_id: str, at: int | None) -> Moment:
         """Return a session as it is, or as of step `at`; raises UnknownStepError."""

@@ -91,7 +91,7 @@ def test_ends_on_the_border_and_at_vertices_will_do() -> None:
 @pytest.mark.parametrize("end", ["start", "goal"])
 def test_a_place_outside_is_refused_with_the_nearest_one_inside(end: str) -> None:
     places = [(-1.0, 2.0), (2.0, 2.0)]
-    with pytest.raises(OutsideError, match=f"the {end} is not in free space") as caught:
+    with pytest.raises(OutsideError, match=f"The {end} is not in free space") as caught:
         FreeSpace(ROOMS).path(*(places if end == "start" else places[::-1]))
     assert caught.value.end == end
     assert caught.value.nearest == pytest.approx((0, 2), abs=SNAP)
@@ -109,7 +109,7 @@ def test_a_place_too_near_to_a_wall_is_refused_with_the_nearest_that_will_do() -
 
 
 def test_a_door_too_narrow_is_told_with_place_and_width() -> None:
-    with pytest.raises(TooNarrowError, match=r"needs 1\.200 m") as caught:
+    with pytest.raises(TooNarrowError, match=r"must be 1\.200 m") as caught:
         FreeSpace(ROOMS, 0.6).path((2, 2), (7, 2))
     assert 4 <= caught.value.point[0] <= 5
     assert caught.value.point[1] == pytest.approx(1.5, abs=0.01)

@@ -12,6 +12,7 @@ from semtopo.answers.understanding import understand
 from semtopo.answers.values import Answer
 from semtopo.answers.ways import answer_way
 from semtopo.atlas import Atlas
+from semtopo.journey import ANY_WAY, WayOptions
 from semtopo.questions import (
     ChangesQuestion,
     ConnectionQuestion,
@@ -25,8 +26,10 @@ from semtopo.questions import (
 __all__ = ["Answer", "History", "answer", "answer_question", "understand"]
 
 
-def answer(atlas: Atlas, text: str, history: History | None = None) -> Answer:
-    """Answer a sentence.
+def answer(
+    atlas: Atlas, text: str, history: History | None = None, options: WayOptions = ANY_WAY
+) -> Answer:
+    """Answer a sentence; `options` say how the robot goes.
 
     Raises
     ------
@@ -37,11 +40,18 @@ def answer(atlas: Atlas, text: str, history: History | None = None) -> Answer:
     SemtopoError
         As `answer_question` does.
     """
-    return answer_question(atlas, understand(atlas, text), history)
+    return answer_question(atlas, understand(atlas, text), history, options)
 
 
-def answer_question(atlas: Atlas, question: Question, history: History | None = None) -> Answer:
+def answer_question(
+    atlas: Atlas,
+    question: Question,
+    history: History | None = None,
+    options: WayOptions = ANY_WAY,
+) -> Answer:
     """Answer a question; `history` gives earlier maps, if there are any at hand.
+
+    `options` say how the robot goes; with a radius, ways come with a path for it.
 
     Raises
     ------
@@ -49,6 +59,8 @@ def answer_question(atlas: Atlas, question: Question, history: History | None = 
         A name means no zone, or several where one is asked for.
     NoRouteError
         There is no way.
+    OutsideError, TooNarrowError, NotConnectedError
+        There is a way, but not for a robot of that radius.
     UnknownPositionError
         The question is about where the robot is, which is not known.
     UnknownStepError
@@ -58,7 +70,7 @@ def answer_question(atlas: Atlas, question: Question, history: History | None = 
     """
     match question:
         case PathQuestion() | ConnectionQuestion() | DistanceQuestion() | NearestQuestion():
-            return answer_way(atlas, question)
+            return answer_way(atlas, question, options)
         case SeenQuestion() | ChangesQuestion():
             return answer_past(atlas, question, history)
         case _:

@@ -17,6 +17,9 @@ from semtopo.answers.values import (
 )
 from semtopo.atlas import Atlas
 from semtopo.errors.ways import NearestFrontier, NoRouteError
+from semtopo.freespace import Path
+from semtopo.graph import Passage
+from semtopo.journey import ANY_WAY, WayOptions
 from semtopo.phrases import TOLD_MAX, at, capitalised, counted, listed
 from semtopo.questions import (
     ConnectionQuestion,
@@ -32,61 +35,71 @@ WayQuestion: TypeAlias = PathQuestion | ConnectionQuestion | DistanceQuestion | 
 WayAnswer: TypeAlias = PathAnswer | ConnectionAnswer | DistanceAnswer | NearestAnswer
 
 
-def answer_way(atlas: Atlas, question: WayQuestion) -> WayAnswer:
-    """Answer a question about a way."""
+def answer_way(atlas: Atlas, question: WayQuestion, options: WayOptions = ANY_WAY) -> WayAnswer:
+    """Answer a question about a way; with a radius, it comes with a path."""
     match question:
         case PathQuestion():
-            return path(atlas, question)
+            return path(atlas, question, options)
         case ConnectionQuestion():
-            return connection(atlas, question)
+            return connection(atlas, question, options)
         case DistanceQuestion():
-            return distance(atlas, question)
+            return distance(atlas, question, options)
         case NearestQuestion():
-            return nearest(atlas, question)
+            return nearest(atlas, question, options)
 
 
-def path(atlas: Atlas, question: PathQuestion) -> PathAnswer:
+def path(atlas: Atlas, question: PathQuestion, options: WayOptions = ANY_WAY) -> PathAnswer:
     """Answer with the way along all legs; raises NoRouteError for the first that has none."""
-    legs = tuple(_routes(atlas, start_of(atlas, question.start), question.legs))
+    legs = tuple(_routes(atlas, start_of(atlas, question.start), question.legs, options))
     route = _joined(legs)
     return PathAnswer(_described(route), route, legs)
 
 
-def connection(atlas: Atlas, question: ConnectionQuestion) -> ConnectionAnswer:
+def connection(
+    atlas: Atlas, question: ConnectionQuestion, options: WayOptions = ANY_WAY
+) -> ConnectionAnswer:
     """Answer whether there is a way along all legs, and with the gap if there is none."""
     try:
-        route = _joined(tuple(_routes(atlas, start_of(atlas, question.start), question.legs)))
+        route = _joined(
+            tuple(_routes(atlas, start_of(atlas, question.start), question.legs, options))
+        )
     except NoRouteError as gap:
         found = Gap(gap.reachable, gap.reaching, gap.missing, gap.frontier, gap.restricted)
         return ConnectionAnswer(f"No. {gap}", connected=False, gap=found)
     return ConnectionAnswer(f"Yes. {_described(route)}", connected=True, route=route)
 
 
-def distance(atlas: Atlas, question: DistanceQuestion) -> DistanceAnswer:
+def distance(
+    atlas: Atlas, question: DistanceQuestion, options: WayOptions = ANY_WAY
+) -> DistanceAnswer:
     """Answer how far it is; raises NoRouteError where there is no way."""
-    route = _one_route(atlas, start_of(atlas, question.start), Leg(question.goal))
+    route = _one_route(atlas, start_of(atlas, question.start), Leg(question.goal), options)
     extent = f"{route.length:.1f} m, through {counted(len(route.passages), 'passage')}"
     sentence = f"From {route.source} to {route.target} it is {extent}."
     return DistanceAnswer(sentence, route.length, route)
 
 
-def nearest(atlas: Atlas, question: NearestQuestion) -> NearestAnswer:
+def nearest(
+    atlas: Atlas, question: NearestQuestion, options: WayOptions = ANY_WAY
+) -> NearestAnswer:
     """Answer which zone of a class is nearest; raises NoRouteError where there is no way to any."""
     leg = Leg(Nearest(question.zone_class))
-    route = _one_route(atlas, start_of(atlas, question.start), leg)
+    route = _one_route(atlas, start_of(atlas, question.start), leg, options)
     sentence = f"The nearest is {route.target}. {_described(route)}"
     return NearestAnswer(sentence, route.target, route)
 
 
-def _routes(atlas: Atlas, start: Place, legs: Sequence[Leg]) -> Iterator[Route]:
+def _routes(
+    atlas: Atlas, start: Place, legs: Sequence[Leg], options: WayOptions
+) -> Iterator[Route]:
     """Yield the best route of each leg; each begins where the one before ends."""
     for leg in legs:
-        route = _one_route(atlas, start, leg)
+        route = _one_route(atlas, start, leg, options)
         yield route
         start = Place(route.target, route.points[-1])
 
 
-def _one_route(atlas: Atlas, start: Place, leg: Leg) -> Route:
+def _one_route(atlas: Atlas, start: Place, leg: Leg, options: WayOptions) -> Route:
     avoided = frozenset(zone for name in leg.avoiding for zone in zones_of(atlas, name))
     goals = goals_of(atlas, leg.goal)
     request = RouteRequest(
@@ -94,6 +107,8 @@ def _one_route(atlas: Atlas, start: Place, leg: Leg) -> Route:
         goals=tuple(goal for goal in goals if goal.zone_id not in avoided) or goals,
         via=tuple(zone_of(atlas, name) for name in leg.via),
         avoid_zones=avoided,
+        radius=options.radius,
+        two_way=options.two_way,
     )
     try:
         return find_routes(atlas, request)[0]
@@ -125,7 +140,18 @@ def _joined(legs: Sequence[Route]) -> Route:
         (*first.points, *(point for leg in others for point in leg.points[1:])),
         math.fsum(leg.cost for leg in legs),
         math.fsum(leg.length for leg in legs),
+        _joined_path([leg.path for leg in legs if leg.path is not None]),
     )
+
+
+def _joined_path(paths: Sequence[Path]) -> Path | None:
+    """Return paths, each of which begins where the one before ends, as one path."""
+    if not paths:
+        return None
+    first, *others = paths
+    points = (*first.points, *(point for path in others for point in path.points[1:]))
+    length = math.fsum(path.length for path in paths)
+    return Path(points, length, min(path.clearance for path in paths))
 
 
 def _described(route: Route) -> str:
@@ -134,13 +160,24 @@ def _described(route: Route) -> str:
         return f"You are in {route.target} already."
     moves = zip(route.passages, pairwise(route.zones), strict=True)
     told = [
-        f"leave {left} {at(passage.point)} into {entered}"
+        f"leave {left} {at(passage.point)} into {entered}{_against(passage, left)}"
         for passage, (left, entered) in islice(moves, TOLD_MAX)
     ]
     if len(route.passages) > len(told):
         told.append(f"{len(route.passages) - len(told)} passages more")
     extent = f"{route.length:.1f} m, {counted(len(route.passages), 'passage')}"
-    return capitalised(f"{', then '.join(told)}: {extent}.")
+    return capitalised(f"{', then '.join(told)}: {extent}.{_room(route)}")
+
+
+def _against(passage: Passage, left: str) -> str:
+    """Say that a passage is used against its direction, where it is."""
+    return "" if passage.source == left else ", against the direction in which it is known"
+
+
+def _room(route: Route) -> str:
+    """Say how long the path of a route is for the robot, if it was asked for."""
+    path = route.path
+    return "" if path is None else f" The path for the robot is {path.length:.1f} m long."
 
 
 def _refusal(request: RouteRequest, gap: NoRouteError, frontier: NearestFrontier | None) -> str:

@@ -83,7 +83,7 @@ class OutsideError(SemtopoError):
 
     def __init__(self, end: str, nearest: tuple[float, float] | None, why: str) -> None:
         """Say which end of a path is meant, and why it cannot be one."""
-        super().__init__(f"the {end} {why}")
+        super().__init__(f"The {end} {why}.")
         self.end, self.nearest = end, nearest
         self.facts = {"end": end, "nearest": nearest}
 
@@ -101,17 +101,39 @@ class TooNarrowError(SemtopoError):
         """Say where it is too narrow, and by how much."""
         x, y = point
         super().__init__(
-            f"the widest way is {width:.3f} m wide at ({x:.3f}, {y:.3f}), and the robot needs"
-            f" {needed:.3f} m"
+            f"There is a way, but not for this robot: at ({x:.3f}, {y:.3f}) it is {width:.3f} m"
+            f" wide, and must be {needed:.3f} m."
         )
         self.point, self.width, self.needed = point, width, needed
         self.facts = {"point": point, "width": width, "needed": needed}
 
 
+@dataclass(frozen=True, slots=True)
+class GroundlessPassage:
+    """A passage at a point in m from zone `source` to zone `target`, without ground between them.
+
+    It was seen, maybe from afar or by a single beam; where one goes through is not known.
+    """
+
+    source: str
+    target: str
+    point: tuple[float, float]
+
+
 class NotConnectedError(SemtopoError):
-    """Start and goal lie in parts of free space that do not meet."""
+    """Start and goal lie in parts of free space that do not meet.
+
+    On the way along a route, `passage` is the first one of which no ground is known, if there is
+    such a one.
+    """
 
     code: ClassVar[str] = "not_connected"
+
+    def __init__(self, message: str, passage: GroundlessPassage | None = None) -> None:
+        """Keep the passage that has no ground."""
+        super().__init__(message)
+        self.passage = passage
+        self.facts = {"passage": None if passage is None else asdict(passage)}
 
 
 class UnprovedPathError(SemtopoError):

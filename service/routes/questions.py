@@ -6,6 +6,7 @@ import orjson
 from fastapi import APIRouter, Request, Response
 
 from semtopo.codec import answer_document
+from semtopo.journey import WayOptions
 from service.arguments import DirectRoute
 from service.parameters import SessionId, maps_of
 from service.replies import JsonBytes
@@ -24,5 +25,6 @@ router = APIRouter(
 )
 async def ask(request: Request, session_id: SessionId, question: QueryRequest) -> Response:
     """Answer a question in words, such as "path from corridor to C"."""
-    answer = await maps_of(request).answer(session_id, question.text)
+    options = WayOptions(question.radius, question.two_way)
+    answer = await maps_of(request).answer(session_id, question.text, options)
     return JsonBytes(orjson.dumps(answer_document(answer)))

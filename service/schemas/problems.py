@@ -6,7 +6,7 @@ from typing import Any, Literal
 
 from pydantic import BaseModel
 
-from semtopo.errors.ways import MissingPassage, NearestFrontier
+from semtopo.errors.ways import GroundlessPassage, MissingPassage, NearestFrontier
 from semtopo.types import Point
 
 
@@ -37,6 +37,7 @@ class ProblemAnswer(BaseModel):
     missing: MissingPassage | None = None
     frontier: NearestFrontier | None = None
     restricted: bool | None = None
+    passage: GroundlessPassage | None = None
     end: Literal["start", "goal"] | None = None
     nearest: Point | None = None
     point: Point | None = None

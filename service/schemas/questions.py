@@ -13,19 +13,25 @@ from semtopo.answers.values import Frontier, Gap, Growth, ListedClass, ListedZon
 from semtopo.documents import Document
 from semtopo.expectations import EXAMPLES
 from semtopo.types import Point
-from service.schemas.answers import RouteAnswer
+from service.schemas.answers import Radius, RouteAnswer
 from service.schemas.maps import GraphEdge
 
 TEXT_MAX = 2_000  # characters of a question
 
 
 class QueryRequest(Document):
-    """A question in words."""
+    """A question in words, and how the robot goes.
+
+    With its radius, in m, ways come with a path; with `two_way`, passages are used against their
+    direction too.
+    """
 
     text: Annotated[
         str,
         Field(strict=True, min_length=1, max_length=TEXT_MAX, examples=sorted(EXAMPLES.values())),
     ]
+    radius: Radius | None = None
+    two_way: Annotated[bool, Field(strict=True)] = False
 
 
 class PathReply(BaseModel):

@@ -198,6 +198,20 @@ def test_borders_and_doorways_that_are_none(bare: Path, file: str, content: byte
         read_folder(bare)
 
 
+def test_the_command_finds_paths_for_a_robot(whole: Path) -> None:
+    for more, status, told_ in (
+        (["--radius", "0.1"], 0, "m long."),
+        (["--radius", "0.1", "--json"], 0, '"clearance":'),
+        (["--radius", "3"], 2, "and must be 6.000 m."),
+        (["--radius", "-1"], 2, "radius must be 0 to 100 m"),
+        (["--two-way"], 0, "2 passages."),
+    ):
+        command = [str(SEMTOPO), "route", str(whole), "path from A to C", *more]
+        done = subprocess.run(command, capture_output=True, text=True, check=False)
+        assert done.returncode == status
+        assert told_ in done.stdout + done.stderr
+
+
 def test_the_command_answers_and_refuses(whole: Path) -> None:
     for question, status, out, err in (
         ("what is next to C?", 0, "Next to C is corridor", ""),

@@ -81,8 +81,22 @@ def test_the_corpus_is_answered_as_by_the_library(server: Server, driven: str) -
     texts = [text for text, *_ in UNDERSTOOD] + [text for text, *_ in REFUSED if text]
     codes = [asked(server, driven, text) for text in texts]
     assert codes == [library(text) for text in texts]
-    assert {code for code in codes if isinstance(code, str)} == {"invalid_question", "unknown_zone"}
+    refused = {code for code in codes if isinstance(code, str)}
+    assert refused == {"crowded_question", "invalid_question", "unknown_zone"}
     assert sum(isinstance(code, dict) for code in codes) > 20
+
+
+def test_a_robot_is_asked_for_by_its_radius(server: Server, driven: str) -> None:
+    body = {"text": "path from A to C", "radius": 0.1, "two_way": True}
+    reply = server.client.post(f"{driven}/query", json=body).json()
+    REPLY.validate_python(reply)
+    assert reply["sentence"].endswith("m long.")
+    assert reply["route"]["path"]["clearance"] >= 0.1
+    assert [leg["path"] for leg in reply["legs"]] == [reply["route"]["path"]]
+    narrow = server.client.post(f"{driven}/query", json={**body, "radius": 5})
+    assert (narrow.status_code, narrow.json()["code"]) == (409, "too_narrow")
+    for wrong in ({"radius": -1}, {"radius": 1e9}, {"two_way": "yes"}):
+        assert server.client.post(f"{driven}/query", json={**body, **wrong}).status_code == 422
 
 
 def test_the_interface_describes_every_kind(server: Server) -> None:
