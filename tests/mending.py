@@ -74,11 +74,13 @@ def _mend_step(body: Json, _known: Known) -> None:
     if not isinstance(scan, dict):
         body["scan"] = SCAN
         return
-    beams = scan.get("beams")
-    if isinstance(beams, list) and all(_is_beam(beam) for beam in beams):
-        within = [
-            {r: label for label, r in beam if r <= scan.get("range_max", 0)} for beam in beams
-        ]
+    beams, reach = scan.get("beams"), scan.get("range_max")
+    if (
+        isinstance(beams, list)
+        and isinstance(reach, int | float)
+        and all(_is_beam(beam) for beam in beams)
+    ):
+        within = [{r: label for label, r in beam if r <= reach} for beam in beams]
         scan["beams"] = [[[_printable(runs[r]), r] for r in sorted(runs)] for runs in within]
     kinds = scan.get("kinds")
     if isinstance(kinds, dict):
