@@ -75,9 +75,11 @@ class Sessions:
         """Drop a session from memory."""
         self._hot.drop(session_id)
 
-    async def page(self, owner: int | None, after: int, limit: int) -> list[store.SessionHead]:
+    async def page(
+        self, owner: int | None, after: int, limit: int, *, newest: bool = False
+    ) -> list[store.SessionHead]:
         """Return up to `limit` sessions of an owner, or of all, as `store.list_sessions` does."""
-        query = partial(store.list_sessions, owner=owner, after=after, limit=limit)
+        query = partial(store.list_sessions, owner=owner, after=after, limit=limit, newest=newest)
         return await self.read(query)
 
     async def authenticate(self, key: str) -> int:

@@ -6,7 +6,7 @@ import hashlib
 import secrets
 from asyncio import to_thread
 from importlib.metadata import version
-from typing import Annotated, Any
+from typing import Annotated, Any, Literal
 
 import orjson
 from fastapi import APIRouter, Query, Request, Response
@@ -61,9 +61,12 @@ async def list_sessions(
     request: Request,
     cursor: Annotated[str, Query(pattern=r"^\d{1,18}$")] = "0",
     limit: Limit = 100,
+    order: Literal["oldest", "newest"] = "oldest",
 ) -> Response:
-    """List sessions, oldest first."""
-    rows = await sessions_of(request).page(owner_of(request), int(cursor), limit + 1)
+    """List sessions, oldest or newest first; a cursor is of the same order."""
+    rows = await sessions_of(request).page(
+        owner_of(request), int(cursor), limit + 1, newest=order == "newest"
+    )
     page = rows[:limit]
     following = str(page[-1].number) if len(rows) > limit else None
     listed = [_listed(row) for row in page]

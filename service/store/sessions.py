@@ -83,14 +83,18 @@ def find_session(connection: Connection, session_id: str) -> SessionRow | None:
 
 
 def list_sessions(
-    connection: Connection, owner: int | None, after: int, limit: int
+    connection: Connection, owner: int | None, after: int, limit: int, *, newest: bool = False
 ) -> list[SessionHead]:
     """Return up to `limit` sessions, oldest first, whose number is above `after`.
 
-    With an owner, only the sessions made with that API key.
+    Or the newest first, and below `after`, where that is not 0. With an owner, only the sessions
+    made with that API key.
     """
     columns = [sessions.c[field.name] for field in fields(SessionHead)]
-    query = select(*columns).where(sessions.c.number > after).order_by(sessions.c.number)
+    number = sessions.c.number
+    query = select(*columns).order_by(number.desc() if newest else number)
+    if not newest or after:
+        query = query.where(number < after if newest else number > after)
     if owner is not None:
         query = query.where(sessions.c.owner == owner)
     return [SessionHead(**row) for row in connection.execute(query.limit(limit)).mappings()]

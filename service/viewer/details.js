@@ -1,29 +1,13 @@
 /** What is selected, in words: a zone with its ways, or a passage that can be closed and opened. */
 
-import { remove, sendJson } from "./api.js";
-import { byId, complain, counted, el, fixed } from "./dom.js";
+import { byId, counted, el, fixed } from "./dom.js";
 import { shade } from "./palette.js";
 
 /** @param {import("./session.js").Session} session */
 export function showDetails(session) {
   const redraw = () => byId("details").replaceChildren(...content(session));
-  session.store.on(["selected", "graph", "moment", "at", "restrictions", "session", "seq"], redraw);
+  session.store.on(["selected", "graph", "moment", "at", "session", "seq"], redraw);
   redraw();
-}
-
-/** Close a passage, or open it again. @param {import("./session.js").Session} session @param {import("./model.js").Edge} edge */
-export async function turn(session, edge) {
-  const closing = session.closing(edge);
-  try {
-    if (closing) await remove(`${session.path}/restrictions/${encodeURIComponent(closing.id)}`);
-    else {
-      const passage = { source: edge.source, target: edge.target, n: edge.n };
-      await sendJson(`${session.path}/restrictions`, { passage, closed: true });
-    }
-    await session.readRestrictions();
-  } catch (error) {
-    complain(error);
-  }
 }
 
 /** @param {import("./session.js").Session} session @returns {Node[]} */
@@ -67,45 +51,70 @@ function aboutSession(session, about) {
 function aboutZone(session, zone, edges) {
   const out = edges.filter((edge) => edge.source === zone.id);
   const into = edges.filter((edge) => edge.target === zone.id);
+  const { aliases = [], class: kind } = session.state.graph.nodes.find((node) => node.id === zone.id) ?? {};
   return [
     el("p", { class: "name" }, swatch(zone.number), zone.label),
     list([
       ...(zone.id === zone.label ? [] : /** @type {[string, string][]} */ ([["Id", zone.id]])),
+      ...(aliases.length === 0 ? [] : /** @type {[string, string][]} */ ([["Called", aliases.join(", ")]])),
+      ...(kind ? /** @type {[string, string][]} */ ([["Class", kind]]) : []),
       ["Area", `${fixed(zone.area)} m\u00b2`],
       ["Found", `at step ${zone.since}`],
       ["Grew", `at step ${zone.seq}`],
       ["Passages", `${out.length} out, ${into.length} in`],
+      ["State", stateOf(session.closings.hasZone(zone.id))],
     ]),
+    turner(session, { kind: "zone", id: zone.id }, session.closings.hasZone(zone.id), "zone"),
     el("ul", { class: "ways" }, ...[...out, ...into].slice(0, 60).map((edge) => way(session, edge))),
   ];
 }
 
 /** @param {import("./session.js").Session} session @param {import("./model.js").Edge} edge */
 function aboutEdge(session, edge) {
-  const closed = session.closing(edge);
+  const closed = session.closings.has(edge);
   return [
     el("p", { class: "name" }, `${edge.source} \u2192 ${edge.target}`),
     list([
       ["Point", `(${fixed(edge.point[0])}, ${fixed(edge.point[1])}) m`],
       ["Found", `at step ${edge.seq}`],
-      ["State", closed ? "closed: no route leads through" : "open"],
+      ["State", stateOf(closed)],
     ]),
-    el("button", { type: "button", class: closed ? "primary" : "danger", onclick: () => turn(session, edge) },
-      closed ? "Open this passage" : "Close this passage"),
+    turner(session, { kind: "edge", edge }, closed, "passage"),
   ];
+}
+
+/** @param {boolean} closed */
+function stateOf(closed) {
+  return closed ? "closed: no route leads through" : "open";
+}
+
+/**
+ * A button that closes or opens; where something else closes it, such as its label, words that say so.
+ * @param {import("./session.js").Session} session @param {import("./closings.js").Place} place @param {boolean} closed @param {string} what
+ */
+function turner(session, place, closed, what) {
+  const own = Boolean(session.closings.of(place));
+  if (closed && !own) return el("p", { class: "facts" }, what === "zone" ? "All zones of its label are closed." : "It is closed with a zone.");
+  return el("button", { type: "button", class: own ? "primary" : "danger", onclick: () => session.closings.turn(place) },
+    `${own ? "Open" : "Close"} this ${what}`);
 }
 
 /** @param {import("./session.js").Session} session @param {import("./model.js").Edge} edge */
 function way(session, edge) {
-  const closed = Boolean(session.closing(edge));
+  const closed = session.closings.has(edge);
+  const own = Boolean(session.closings.of({ kind: "edge", edge }));
   const name = `${edge.source} \u2192 ${edge.target}`;
   const show = el("button", {
     type: "button", class: "way", onclick: () => session.store.set({ selected: { kind: "edge", id: edge.key } }),
     onmouseenter: () => session.store.set({ hover: { kind: "edge", id: edge.key } }),
     onmouseleave: () => session.store.set({ hover: null }),
+    onfocus: () => session.store.set({ hover: { kind: "edge", id: edge.key } }),
+    onblur: () => session.store.set({ hover: null }),
   }, name);
-  const act = el("button", { type: "button", class: "act", "aria-label": `${closed ? "Open" : "Close"} ${name}`, onclick: () => turn(session, edge) },
-    closed ? "Open" : "Close");
+  const act = closed && !own ? null : el("button", {
+    type: "button", class: "act", "aria-label": `${own ? "Open" : "Close"} ${name}`,
+    onclick: () => session.closings.turn({ kind: "edge", edge }),
+  }, own ? "Open" : "Close");
   return el("li", {}, show, closed ? el("span", { class: "shut" }, "closed") : null, act);
 }
 

@@ -41,7 +41,7 @@ export class GraphView {
     byId("graph-out").onclick = () => { this.camera.zoom(1 / 1.4); this.stage.move(); };
     byId("graph-fit").onclick = () => this.fit();
     session.store.on(["graph", "moment"], () => this.changed());
-    session.store.on(["at", "restrictions"], () => this.stage.invalidate());
+    session.store.on(["at"], () => this.changed());
     session.store.on(["hover", "selected", "answer"], () => this.stage.refresh());
   }
 
@@ -133,7 +133,7 @@ export class GraphView {
       for (const edge of edges) {
         const a = this.placed.get(edge.source);
         const b = this.placed.get(edge.target);
-        if (!a || !b || Boolean(this.session.closing(edge)) !== closed) continue;
+        if (!a || !b || this.session.closings.has(edge) !== closed) continue;
         context.moveTo(a.x, -a.y);
         context.lineTo(b.x, -b.y);
       }
@@ -166,7 +166,7 @@ export class GraphView {
   drawEdge(context, edge, width, onRoute) {
     const curve = this.curve(edge);
     if (!curve) return;
-    const closed = this.session.closing(edge);
+    const closed = this.session.closings.has(edge);
     const source = this.placed.get(edge.source);
     context.strokeStyle = onRoute ? colour("route") : closed ? colour("bad") : shade(source?.number ?? 0).line;
     context.fillStyle = context.strokeStyle;

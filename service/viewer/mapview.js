@@ -45,7 +45,7 @@ export class MapView {
     byId("map-out").onclick = () => { this.camera.zoom(1 / 1.4); this.moved(); };
     byId("map-fit").onclick = () => this.fit();
     this.buildMenu();
-    session.store.on(["moment", "exact", "poses", "seq", "at", "restrictions", "world", "driving", "graph"], () => this.changed());
+    session.store.on(["moment", "exact", "poses", "seq", "at", "world", "driving", "graph"], () => this.changed());
     session.store.on(["hover", "selected", "answer"], () => this.stage.refresh());
   }
 
@@ -150,10 +150,10 @@ export class MapView {
     if (found?.id !== hover?.id || found?.kind !== hover?.kind) this.session.store.set({ hover: found });
     this.canvas.classList.toggle("pointing", Boolean(found) && !this.state.driving);
     const tip = byId("map-tip");
-    const edge = found?.kind === "edge" && this.state.graph.edges.find((one) => one.key === found.id);
+    const edge = found?.kind === "edge" && this.session.graphShown().edges.find((one) => one.key === found.id);
     tip.hidden = !(edge && at);
     if (!edge || !at) return;
-    tip.textContent = `${edge.source} \u2192 ${edge.target}${this.session.closing(edge) ? ", closed" : ""}`;
+    tip.textContent = `${edge.source} \u2192 ${edge.target}${this.session.closings.has(edge) ? ", closed" : ""}`;
     const left = Math.min(at[0] + 14, this.camera.width - tip.offsetWidth - 4);
     tip.style.transform = `translate(${left}px, ${Math.max(at[1] - 34, 4)}px)`;
   }
@@ -222,7 +222,7 @@ export class MapView {
     for (const edge of this.session.graphShown().edges) {
       if (large && !wanted.has(edge.key)) continue;
       const fill = shade(numbers.get(edge.source) ?? 0).line;
-      layers.drawPoint(context, camera, edge.point, { fill, large, closed: Boolean(this.session.closing(edge)) });
+      layers.drawPoint(context, camera, edge.point, { fill, large, closed: this.session.closings.has(edge) });
     }
   }
 

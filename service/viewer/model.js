@@ -9,7 +9,7 @@ import { growBox, noBox, pole } from "./geometry.js";
  * @property {number} area in m^2
  * @property {number} since the step that found it
  * @property {number} seq the last step that changed it
- * @property {number} number in order of finding
+ * @property {number} number that its colour goes by
  * @property {import("./geometry.js").Ring[]} rings of all its polygons
  * @property {Path2D} path
  * @property {Path2D} coarse the same with few points, for where it is small on the screen
@@ -51,14 +51,17 @@ function pathOf(rings, least = 0) {
 /**
  * @param {any} body of /zones
  * @param {Map<string, Zone>} known zones of other moments, by id and seq; new ones are added
+ * @param {Map<string, number>} numbers of all zones that were seen, in that order: a zone keeps its colour
  * @returns {Zone[]}
  */
-export function zonesOf(body, known) {
-  return body.features.map((/** @type {any} */ feature, /** @type {number} */ number) => {
+export function zonesOf(body, known, numbers) {
+  return body.features.map((/** @type {any} */ feature) => {
     const about = feature.properties;
     const key = `${about.seq} ${feature.id}`;
     const kept = known.get(key);
-    if (kept && kept.number === number) return kept;
+    if (kept) return kept;
+    const number = numbers.get(feature.id) ?? numbers.size;
+    numbers.set(feature.id, number);
     const rings = ringsOf(feature.geometry);
     const box = growBox(noBox(), rings.flat());
     /** @type {{x: number, y: number, r: number} | null} */
@@ -85,13 +88,22 @@ export function edgeKey(edge) {
   return JSON.stringify([edge.source, edge.target, edge.n ?? 0]);
 }
 
-/** @param {any} body of /graph @returns {{seq: number, nodes: {id: string, label: string}[], edges: Edge[]}} */
+/**
+ * @typedef {object} Graph
+ * @property {number} seq
+ * @property {{id: string, label: string, aliases?: string[], class?: string}[]} nodes
+ * @property {Edge[]} edges
+ * @property {Set<string>} closed ids of zones and keys of edges
+ */
+
+/** @param {any} body of /graph @returns {Graph} */
 export function graphOf(body) {
-  return {
-    seq: body.seq,
-    nodes: body.nodes,
-    edges: body.edges.map((/** @type {any} */ edge) => ({ ...edge, n: edge.n ?? 0, key: edgeKey(edge) })),
-  };
+  const edges = body.edges.map((/** @type {any} */ edge) => ({ ...edge, n: edge.n ?? 0, key: edgeKey(edge) }));
+  const closed = new Set([
+    ...body.nodes.filter((/** @type {any} */ one) => one.closed).map((/** @type {any} */ one) => one.id),
+    ...edges.filter((/** @type {any} */ one) => one.closed).map((/** @type {any} */ one) => one.key),
+  ]);
+  return { seq: body.seq, nodes: body.nodes, edges, closed };
 }
 
 /**

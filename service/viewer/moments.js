@@ -1,6 +1,6 @@
 /** Maps as they were at steps: those that were read are kept for a while, and zones shared among them. */
 
-import { zonesOf } from "./model.js";
+import { graphOf, zonesOf } from "./model.js";
 
 const KEPT = 60;
 
@@ -9,6 +9,7 @@ const KEPT = 60;
  * @property {number} seq
  * @property {import("./model.js").Zone[]} zones
  * @property {any} [sight] what the robot saw
+ * @property {import("./model.js").Graph} [graph] as it was, where it is no part of the newest
  */
 
 export class Moments {
@@ -17,14 +18,22 @@ export class Moments {
     this.get = get;
     /** @type {Map<string, import("./model.js").Zone>} by step of change and id */
     this.known = new Map();
+    /** @type {Map<string, number>} of zones, in the order in which they were seen */
+    this.numbers = new Map();
     /** @type {Map<number, Moment>} the one that was used last is the last */
     this.kept = new Map();
   }
 
-  /** @param {string} query the step, or nothing for the newest @param {AbortSignal} [signal] @returns {Promise<Moment>} */
-  async read(query, signal) {
-    const [zones, sight] = await Promise.all(["/zones", "/scan"].map((part) => this.get(part + query, signal)));
-    const moment = { seq: zones.seq, zones: zonesOf(zones, this.known), sight };
+  /**
+   * @param {string} query the step, or nothing for the newest
+   * @param {AbortSignal} [signal] @param {boolean} [withGraph] @returns {Promise<Moment>}
+   */
+  async read(query, signal, withGraph = false) {
+    const parts = ["/zones", "/scan", ...(withGraph ? ["/graph"] : [])];
+    const [zones, sight, graph] = await Promise.all(parts.map((part) => this.get(part + query, signal)));
+    const moment = {
+      seq: zones.seq, zones: zonesOf(zones, this.known, this.numbers), sight, ...(graph ? { graph: graphOf(graph) } : {}),
+    };
     this.kept.set(moment.seq, moment);
     this.forget();
     return moment;
@@ -59,6 +68,6 @@ export class Moments {
   guess(seq, near) {
     const newest = this.kept.get(Math.max(...this.kept.keys()));
     const zones = new Map([...(newest?.zones ?? []), ...near].map((zone) => [zone.id, zone]));
-    return [...zones.values()].filter((zone) => zone.since <= seq).sort((one, other) => one.number - other.number);
+    return [...zones.values()].filter((zone) => zone.since <= seq).sort((one, other) => one.since - other.since || one.number - other.number);
   }
 }

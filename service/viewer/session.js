@@ -1,6 +1,7 @@
 /** One session: read it, follow it, and go back in time. Views listen to its store. */
 
 import { Problem, getJson, sessionPath } from "./api.js";
+import { Closings } from "./closings.js";
 import { complain } from "./dom.js";
 import { graphOf, worldOf } from "./model.js";
 import { Moments } from "./moments.js";
@@ -24,7 +25,7 @@ export class Session {
       /** @type {any[]} steps that found something */ changes: [],
       /** @type {import("./moments.js").Moment} */ moment: { seq: 0, zones: [] },
       exact: true,
-      /** @type {ReturnType<typeof graphOf>} the newest */ graph: { seq: 0, nodes: [], edges: [] },
+      /** @type {import("./model.js").Graph} the newest */ graph: { seq: 0, nodes: [], edges: [], closed: new Set() },
       /** @type {any} */ world: null,
       /** @type {any[]} */ restrictions: [],
       /** @type {any} */ answer: null,
@@ -33,6 +34,7 @@ export class Session {
       link: "waiting",
       driving: false,
     });
+    this.closings = new Closings(this);
     this.moments = new Moments((rest, signal) => this.get(rest, signal));
     this.ended = new AbortController();
     /** @type {AbortController | null} */
@@ -52,6 +54,12 @@ export class Session {
     return changes.length > 0 && graph.seq < changes[changes.length - 1].seq;
   }
 
+  /** The last step that merged zones or joined passages: graphs before it are no part of the newest. */
+  get reshaped() {
+    const last = this.state.changes.findLast(({ events }) => events.some((/** @type {any} */ one) => one.type === "merge" || one.type === "join"));
+    return last ? last.seq : 0;
+  }
+
   /** The step that is shown. */
   get shown() {
     return this.state.at ?? this.state.seq;
@@ -69,12 +77,13 @@ export class Session {
       link: (link) => this.store.set({ link }),
       outdated: () => void this.reopen(),
     });
-    await Promise.all([this.readTrail(), this.readRestrictions(), this.readWorld()]);
+    await Promise.all([this.readTrail(), this.closings.read(), this.readWorld()]);
   }
 
   close() {
     this.ended.abort();
     this.going?.abort();
+    this.closings.close();
     this.stop?.();
   }
 
@@ -107,11 +116,6 @@ export class Session {
     }
   }
 
-  async readRestrictions() {
-    const { restrictions } = await this.get("/restrictions");
-    this.store.set({ restrictions });
-  }
-
   async readWorld() {
     if (this.state.session.world) this.store.set({ world: worldOf(await this.get("/world")) });
   }
@@ -119,7 +123,7 @@ export class Session {
   /** @param {string} event @param {any} data */
   told(event, data) {
     if (event === "step") this.stepped(data);
-    else if (event === "change") this.readRestrictions().catch(complain);
+    else if (event === "change") this.closings.read().catch(complain);
     else if (event === "deleted") {
       this.stop?.();
       this.store.set({ link: "gone" });
@@ -133,6 +137,9 @@ export class Session {
     if (poses[step.seq - 1]) return; // it was told already
     poses[step.seq - 1] = [step.pose.x, step.pose.y, step.pose.theta];
     const changes = step.events.length > 0 ? [...this.state.changes, step] : this.state.changes;
+    const { selected } = this.state;
+    const merge = step.events.find((/** @type {any} */ one) => one.type === "merge" && one.zone_id === selected?.id);
+    if (merge) this.store.set({ selected: { kind: "zone", id: merge.into } });
     this.store.set({ seq: Math.max(step.seq, this.state.seq), poses: poses.slice(), changes });
     if (this.state.at === null) this.store.set({ exact: this.state.moment.seq >= this.state.seq });
     if (this.state.at === null || step.events.length > 0) void this.refresh();
@@ -194,7 +201,7 @@ export class Session {
   /** @param {number} at @returns {boolean} whether the map was known, and is shown */
   recall(at) {
     const moment = this.moments.recall(at);
-    if (!moment) return false;
+    if (!moment || (at < this.reshaped && !moment.graph)) return false;
     this.store.set({ at, moment, exact: true });
     return true;
   }
@@ -203,7 +210,7 @@ export class Session {
   async fetchMoment(at) {
     const going = (this.going = new AbortController());
     try {
-      const moment = await this.moments.read(`?at=${at}`, going.signal);
+      const moment = await this.moments.read(`?at=${at}`, going.signal, at < this.reshaped);
       if (this.state.at === at) this.store.set({ moment, exact: true });
       else if (this.state.at !== null && this.state.at > at) this.store.set({ moment });
     } finally {
@@ -215,16 +222,11 @@ export class Session {
   graphShown() {
     const { graph, at, moment } = this.state;
     if (at === null) return graph;
+    if (moment.graph && moment.seq === at) return moment.graph;
     const zones = new Set(moment.zones.map((zone) => zone.id));
     return {
       nodes: graph.nodes.filter((node) => zones.has(node.id)),
       edges: graph.edges.filter((edge) => edge.seq <= at && zones.has(edge.source) && zones.has(edge.target)),
     };
-  }
-
-  /** @param {import("./model.js").Edge} edge @returns {any | undefined} what closes it */
-  closing(edge) {
-    return this.state.restrictions.find((one) => one.closed && one.passage &&
-      one.passage.source === edge.source && one.passage.target === edge.target && (one.passage.n ?? 0) === edge.n);
   }
 }

@@ -25,7 +25,7 @@ export function showTables(session) {
       ])),
       table("Passages", ["From", "To", "Point, m", "Found"], edges.slice(0, rows).map((edge) => [
         link(edge.source, () => session.store.set({ selected: { kind: "edge", id: edge.key } })),
-        edge.target + (session.closing(edge) ? " (closed)" : ""),
+        edge.target + (session.closings.has(edge) ? " (closed)" : ""),
         `${fixed(edge.point[0])}, ${fixed(edge.point[1])}`, String(edge.seq),
       ])),
       ...(button ? [button] : []),

@@ -54,8 +54,7 @@ export class Timeline {
   /** @param {number} seq @returns {string} what a step found, in words */
   foundAt(seq) {
     const change = this.session.state.changes.find((one) => one.seq === seq);
-    return (change?.events ?? []).map((/** @type {any} */ event) =>
-      event.type === "node" ? `found ${event.label}` : `${event.source} to ${event.target}`).join(", ");
+    return (change?.events ?? []).map(inWords).join(", ");
   }
 
   /** @param {number} direction to the change before or after */
@@ -111,10 +110,18 @@ export class Timeline {
     context.globalAlpha = dense ? 0.3 : 1;
     for (const { seq: at, events } of changes) {
       const x = THUMB + (at / Math.max(seq, 1)) * (width - 2 * THUMB);
-      const isZone = events.some((/** @type {any} */ event) => event.type === "node");
+      const isZone = events.some((/** @type {any} */ event) => event.type === "node" || event.type === "merge");
       context.fillStyle = isZone ? colour("accent") : colour("passage");
       const high = isZone ? 9 : 6;
       context.fillRect(x - 1, middle - high, dense ? 1 : 2, 2 * high);
     }
   }
+}
+
+/** @param {any} event of a step */
+function inWords(event) {
+  if (event.type === "node") return `found ${event.zone_id}`;
+  if (event.type === "merge") return `${event.zone_id} is part of ${event.into}`;
+  const ends = `${event.source} to ${event.target}`;
+  return event.type === "join" ? `two passages from ${ends} are one` : ends;
 }

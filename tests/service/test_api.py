@@ -175,8 +175,7 @@ def test_the_log_has_pages(server: Server) -> None:
     assert beyond == {"steps": [], "next": None}
 
 
-def pages_of_sessions(server: Server, limit: int | None) -> Iterator[list[Json]]:
-    query: dict[str, object] = {} if limit is None else {"limit": limit}
+def pages_of_sessions(server: Server, **query: object) -> Iterator[list[Json]]:
     while True:
         page = server.get("/sessions", **query)
         assert_fits(page, SessionsAnswer)
@@ -189,11 +188,15 @@ def pages_of_sessions(server: Server, limit: int | None) -> Iterator[list[Json]]
 @pytest.mark.parametrize("limit", [None, 7, 1000])
 def test_sessions_have_pages(server: Server, limit: int | None) -> None:
     made = [server.create(name=f"n{number}").removeprefix("/sessions/") for number in range(110)]
-    pages = list(pages_of_sessions(server, limit))
+    query = {} if limit is None else {"limit": limit}
+    pages = list(pages_of_sessions(server, **query))
     assert all(len(page) == (limit or 100) for page in pages[:-1])
     listed = [session["id"] for page in pages for session in page]
     assert listed[-110:] == made
     assert len(set(listed)) == len(listed)
+    pages = list(pages_of_sessions(server, order="newest", **query))
+    assert all(len(page) == (limit or 100) for page in pages[:-1])
+    assert [session["id"] for page in pages for session in page] == listed[::-1]
 
 
 def test_after_a_deletion_nothing_is_left(server: Server) -> None:
@@ -217,7 +220,7 @@ def test_after_a_deletion_nothing_is_left(server: Server) -> None:
         gone = server.client.request(method, path + below, json=body)
         assert (gone.status_code, gone.json()["code"]) == (404, "unknown_session"), below
     assert server.get(f"{other}/zones") == before
-    ids = [session["id"] for page in pages_of_sessions(server, 1000) for session in page]
+    ids = [session["id"] for page in pages_of_sessions(server, limit=1000) for session in page]
     assert path.removeprefix("/sessions/") not in ids
 
 
