@@ -30,12 +30,13 @@ class Border:
 
     `begins` (rings + 1,) are the places where rings begin, and the end. The last vertex of a ring
     is its first once more, with the same mark. Of a region in parts come the outer ring and the
-    holes of the first, then those of the next.
+    holes of the first, then those of the next. `meets` says whether rings may meet in a point.
     """
 
     xy: Floats
     begins: Integers
     marks: Bytes
+    meets: bool = False
 
     @classmethod
     def of(cls, region: Region, marks: Bytes | None = None) -> Border:
@@ -47,7 +48,8 @@ class Border:
         xy = shapely.get_coordinates(rings)
         begins = np.zeros(len(rings) + 1, dtype=np.intp)
         np.cumsum(shapely.get_num_coordinates(rings), out=begins[1:])
-        return cls(xy, begins, np.zeros(len(xy), dtype=np.uint8) if marks is None else marks)
+        known = np.zeros(len(xy), dtype=np.uint8) if marks is None else marks
+        return cls(xy, begins, known, meets=comes_twice(xy, begins))
 
     @property
     def is_known(self) -> bool:
@@ -93,11 +95,18 @@ class Border:
             np.concatenate([self.xy[span] for span in spans]),
             np.cumsum([0, *lengths]),
             np.concatenate([self.marks[span] for span in spans]),
+            meets=self.meets,
         )
 
 
-def joined(borders: Sequence[Border]) -> Border:
-    """Return the border of regions that do not meet, taken together."""
+def comes_twice(xy: Floats, begins: Integers) -> bool:
+    """Say whether rings come to one place twice, besides the one where each ends."""
+    rings = len(begins) - 1
+    return rings > 1 and len(np.unique(as_complex(xy))) < len(xy) - rings
+
+
+def taken_together(borders: Sequence[Border]) -> Border:
+    """Return the border of regions that meet in points at most."""
     begins, end = [np.zeros(1, dtype=np.intp)], 0
     for border in borders:
         begins.append(border.begins[1:] + end)
@@ -106,6 +115,7 @@ def joined(borders: Sequence[Border]) -> Border:
         np.concatenate([border.xy for border in borders]),
         np.concatenate(begins),
         np.concatenate([border.marks for border in borders]),
+        meets=True,
     )
 
 

@@ -33,12 +33,12 @@ class BorderPiece:
 class PiecedBorder(Border):
     """The border of a zone that was read back in pieces: all that is known of it."""
 
-    pieces: tuple[BorderPiece, ...]
+    pieces: tuple[BorderPiece, ...] = ()
 
     @classmethod
     def of_pieces(cls, border: Border, pieces: Sequence[BorderPiece]) -> PiecedBorder:
         """Return a border of which these pieces are known."""
-        return cls(border.xy, border.begins, border.marks, tuple(pieces))
+        return cls(border.xy, border.begins, border.marks, border.meets, tuple(pieces))
 
     @property
     def is_known(self) -> bool:

@@ -15,7 +15,7 @@ import shapely
 from semtopo.border import Border, polygon, surrounded
 from semtopo.course import Course, UnclearError, course_of
 from semtopo.geometry import NO_AREA, Region, polygonal
-from semtopo.seams import Seams
+from semtopo.seams import Seams, joined
 from semtopo.sector import Sector
 from semtopo.sweep import Crossings, sweep
 from semtopo.traced import traced
@@ -79,12 +79,15 @@ def _swept(known: Extent, sector: Sector) -> Extent:
         return _covering(known, sector.inner_point)
     if len(found) == 0:
         raise UnclearError
-    seams = Seams(known.border, sector.border, found, sector.position)
+    seams = Seams.on(known.border, found.place)
+    around = Seams.on(sector.border, found.around)
+    crossed = set(around.rings.tolist())
     for ring in range(len(sector.border.begins) - 1):
-        if ring not in seams.outline_rings:
+        if ring not in crossed:
             x, y = sector.border.xy[sector.border.begins[ring]]
             _covering(known, (x, y))
-    return Extent.within(seams.joined([*_whole(known.border, course, found, set(seams.rings))]))
+    whole = [*_whole(known.border, course, found, set(seams.rings.tolist()))]
+    return Extent.within(joined(seams, around, found, sector.position, whole))
 
 
 def _covering(known: Extent, place: Point) -> Extent:

@@ -6,126 +6,133 @@ other; where it would enter, it goes on along that of the other.
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from dataclasses import dataclass, replace
 from itertools import pairwise
 
 import numpy as np
 
-from semtopo.border import POINT, Border
+from semtopo.border import POINT, Border, comes_twice
 from semtopo.course import UnclearError
 from semtopo.geometry import as_complex
 from semtopo.sweep import Crossings
-from semtopo.types import Bytes, Floats, Integers
+from semtopo.types import Floats, Integers
 
 SIDES = np.uint8(255) - POINT
 """The bits of a mark that tell of its side: a place where borders cross is no point of a scan."""
 
 
+@dataclass(frozen=True, slots=True, eq=False)
 class Seams:
-    """The crossings of a border with the outline of a sector, and what follows each.
+    """Places on the sides of a border, ring by ring, and which place follows each on its ring."""
+
+    border: Border
+    side: Integers
+    rings: Integers
+    place: Floats
+    after: Integers
+
+    @classmethod
+    def on(cls, border: Border, place: Floats) -> Seams:
+        """Return places on sides: the number of the vertex before, and which share lies before."""
+        side = place.astype(np.intp)
+        rings = border.begins.searchsorted(side, side="right") - 1
+        order = place.argsort()
+        ordered = rings[order]
+        following = np.arange(1, len(place) + 1)
+        last = (ordered[1:] != ordered[:-1]).nonzero()[0].tolist()
+        following[[*last, -1]] = [0, *(number + 1 for number in last)]
+        after = np.empty(len(place), dtype=np.intp)
+        after[order] = order[following]
+        return cls(border, side, rings, place, after)
+
+    def stretches(self, start: Integers, first: int) -> tuple[list[Integers], list[Integers]]:
+        """Return where the vertices from places to the next ones begin, and how many they are.
+
+        Vertices are counted from `first` on. Where the end of the ring lies between, they are in
+        two runs; the second is empty elsewhere.
+        """
+        stop, ring = self.after[start], self.rings[start]
+        begin, end = self.border.begins[ring], self.border.begins[ring + 1]
+        side, last = self.side[start], self.side[stop]
+        wraps = self.place[stop] <= self.place[start]
+        count = np.where(wraps, end - side - 1, last - side)
+        return [side + (first + 1), begin + (first + 1)], [count, (last - begin) * wraps]
+
+
+def joined(
+    known: Seams, around: Seams, found: Crossings, position: complex, whole: list[int]
+) -> Border:
+    """Return the border of a region and a sector together, with some known rings as they are.
+
+    It is known where the crossings are on the border of the region and around the sector, which was
+    seen from a position in m, map frame. Rings come in any order; those of the outline that are not
+    crossed have no part in it.
 
     Raises
     ------
     UnclearError
         The crossings do not fit together.
     """
-
-    def __init__(self, known: Border, outline: Border, found: Crossings, position: complex) -> None:
-        """Find out which crossing follows each, along the border and around the sector."""
-        self._known, self._outline, self._found = known, outline, found
-        side, outline_side = found.place.astype(np.intp), found.around.astype(np.intp)
-        rings = known.begins.searchsorted(side, side="right") - 1
-        order = found.around.argsort()
-        outline_rings = outline.begins.searchsorted(outline_side, side="right") - 1
-        after = _following(np.arange(len(side)), rings)
-        after_around = _following(order, outline_rings[order])
-        enters = found.enters
-        if (enters[after] == enters).any() or (enters[after_around] == enters).any():
-            raise UnclearError
-        self.rings, self.outline_rings = rings.tolist(), outline_rings.tolist()
-        self._after, self._after_around = after.tolist(), after_around.tolist()
-        self._side, self._outline_side = side.tolist(), outline_side.tolist()
-        self._xy = (found.z + position).view(np.float64).reshape(-1, 2)
-        self._marks = np.where(enters, outline.marks[outline_side], known.marks[side]) & SIDES
-
-    def joined(self, whole: list[int]) -> Border:
-        """Return the border of both together, with some rings of the known one as they are.
-
-        Rings are in any order; none of the outline goes in whole.
-        """
-        parts = [[*_whole(self._known, ring)] for ring in whole]
-        left = dict.fromkeys((~self._found.enters).nonzero()[0].tolist())
-        while left:
-            parts.append([*self._ring(next(iter(left)), left)])
-        lengths = [sum(len(marks) for _, marks in ring) for ring in parts]
-        border = Border(
-            np.concatenate([xy for ring in parts for xy, _ in ring]),
-            np.cumsum([0, *lengths]),
-            np.concatenate([marks for ring in parts for _, marks in ring]),
-        )
-        if len(set(self.rings)) > 1:
-            _check_apart(border, len(whole))
-        return border
-
-    def _ring(self, first: int, left: dict[int, None]) -> Iterator[tuple[Floats, Bytes]]:
-        """Yield the stretches of the ring that goes on from where the known border leaves."""
-        leaves = first
-        while leaves in left:
-            del left[leaves]
-            enters = self._after[leaves]
-            yield self._point(leaves)
-            yield from _stretches(
-                self._known, self.rings[leaves], self._side[leaves], self._side[enters],
-                wraps=enters <= leaves,
-            )  # fmt: skip
-            yield self._point(enters)
-            leaves = self._after_around[enters]
-            yield from _stretches(
-                self._outline, self.outline_rings[enters],
-                self._outline_side[enters], self._outline_side[leaves],
-                wraps=bool(self._found.around[leaves] <= self._found.around[enters]),
-            )  # fmt: skip
-        if leaves != first:
-            raise UnclearError
-        yield self._point(first)
-
-    def _point(self, number: int) -> tuple[Floats, Bytes]:
-        """Return a crossing as a stretch of one vertex."""
-        return self._xy[number : number + 1], self._marks[number : number + 1]
+    enters = found.enters
+    if (enters[known.after] == enters).any() or (enters[around.after] == enters).any():
+        raise UnclearError
+    leaves, counts = _cycles((~enters).nonzero()[0].tolist(), around.after[known.after].tolist())
+    vertices, lengths = _vertices(known, around, leaves, counts)
+    begins = known.border.begins
+    kept = [np.arange(begins[ring], begins[ring + 1]) for ring in whole]
+    chosen = np.concatenate([*kept, vertices])
+    z = [as_complex(known.border.xy), as_complex(around.border.xy), found.z + position]
+    sides = np.where(enters, around.border.marks[around.side], known.border.marks[known.side])
+    marks = np.concatenate([known.border.marks, around.border.marks, sides & SIDES])
+    xy = np.concatenate(z)[chosen].view(np.float64).reshape(-1, 2)
+    border = Border(xy, np.cumsum([0, *map(len, kept), *lengths]), marks[chosen])
+    return _checked(border, len(whole)) if known.border.meets else border
 
 
-def _check_apart(border: Border, first: int) -> None:
-    """Refuse rings, from the `first` on, that come to one place twice: rings that touched met."""
+def _checked(border: Border, first: int) -> Border:
+    """Return a border whose rings may meet; raise if one from the `first` on meets itself."""
     for begin, end in pairwise(border.begins[first:].tolist()):
-        places = as_complex(border.xy[begin : end - 1])
-        if len(np.unique(places)) < len(places):
+        if len(np.unique(as_complex(border.xy[begin : end - 1]))) < end - 1 - begin:
             raise UnclearError
+    return replace(border, meets=comes_twice(border.xy, border.begins))
 
 
-def _following(order: Integers, rings: Integers) -> Integers:
-    """Return which crossing follows each on its ring; they stand in `order`, ring by ring."""
-    after = np.arange(1, len(order) + 1)
-    last = (rings[1:] != rings[:-1]).nonzero()[0]
-    firsts = [0, *(last + 1).tolist()]
-    after[[*last.tolist(), -1]] = firsts
-    following = np.empty(len(order), dtype=np.intp)
-    following[order] = order[after]
-    return following
+def _cycles(leaves: list[int], following: list[int]) -> tuple[Integers, Integers]:
+    """Return the places where rings leave a sector, ring by ring, and how many each ring has."""
+    order: list[int] = []
+    counts: list[int] = []
+    open_ones = set(leaves)
+    for first in leaves:
+        number, before = first, len(order)
+        while number in open_ones:
+            open_ones.remove(number)
+            order.append(number)
+            number = following[number]
+        if len(order) > before:
+            counts.append(len(order) - before)
+    return np.array(order), np.array(counts)
 
 
-def _stretches(
-    border: Border, ring: int, start: int, stop: int, *, wraps: bool
-) -> Iterator[tuple[Floats, Bytes]]:
-    """Yield the vertices between places on two sides of a ring, around its end if it wraps."""
-    if wraps:
-        end, begin = int(border.begins[ring + 1]), int(border.begins[ring])
-        yield border.xy[start + 1 : end], border.marks[start + 1 : end]
-        yield border.xy[begin + 1 : stop + 1], border.marks[begin + 1 : stop + 1]
-    else:
-        yield border.xy[start + 1 : stop + 1], border.marks[start + 1 : stop + 1]
+def _vertices(
+    known: Seams, around: Seams, leaves: Integers, counts: Integers
+) -> tuple[Integers, list[int]]:
+    """Return the numbers of the vertices of new rings, and how many each ring has.
 
-
-def _whole(border: Border, ring: int) -> Iterator[tuple[Floats, Bytes]]:
-    """Yield a ring of a border as it is."""
-    span = slice(border.begins[ring], border.begins[ring + 1])
-    yield border.xy[span], border.marks[span]
+    They count on from the vertices of the known border to those of the outline, and then to the
+    crossings.
+    """
+    size = len(known.border.xy)
+    crossing = size + len(around.border.xy)
+    entered, one = known.after[leaves], np.ones(len(leaves), dtype=np.intp)
+    ends = counts.cumsum()
+    closes = np.zeros(len(leaves), dtype=np.intp)
+    closes[ends - 1] = 1
+    firsts = leaves[ends - counts].repeat(counts)
+    known_runs, known_lengths = known.stretches(leaves, 0)
+    runs, lengths = around.stretches(entered, size)
+    begins = [leaves + crossing, *known_runs, entered + crossing, *runs, firsts + crossing]
+    spans = np.stack([one, *known_lengths, one, *lengths, closes], axis=1)
+    flat = spans.ravel()
+    stops = flat.cumsum()
+    vertices = np.arange(stops[-1]) + (np.stack(begins, axis=1).ravel() - stops + flat).repeat(flat)
+    return vertices, np.add.reduceat(spans.sum(axis=1), ends - counts).tolist()

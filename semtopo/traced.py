@@ -49,7 +49,7 @@ def traced(region: Region, sources: Sequence[Border]) -> Border:
         middles = (as_complex(border.xy)[open_ones] + as_complex(border.xy)[open_ones + 1]) / 2
         sides[open_ones] = claims[_nearest(middles, z[starts], z[starts + 1])]
     sides[own] = sides[border.begins[:-1]]
-    return Border(border.xy, border.begins, points + SIDE * sides)
+    return Border(border.xy, border.begins, points + SIDE * sides, border.meets)
 
 
 def _sides_of(sources: Sequence[Border]) -> tuple[Complexes, Bytes, Integers]:

@@ -17,7 +17,7 @@ import numpy as np
 import shapely
 from shapely import MultiPolygon
 
-from semtopo.border import Border, joined, polygon
+from semtopo.border import Border, polygon, taken_together
 from semtopo.crossings import SeenDoorways, seen_doorways
 from semtopo.fusion import Extent
 from semtopo.geometry import Polygons, Region, apart, nearest_point, union
@@ -172,7 +172,7 @@ def _extent(strips: Strips, chosen: Integers) -> tuple[Extent, tuple[Sector, ...
     if len(sectors) == 1:
         return Extent(polygon(sectors[0].border), sectors[0].border), sectors
     borders = [sector.border for sector in sectors]
-    return Extent(MultiPolygon([polygon(it) for it in borders]), joined(borders)), sectors
+    return Extent(MultiPolygon([polygon(it) for it in borders]), taken_together(borders)), sectors
 
 
 def _parts(extent: Extent, strips: Strips, chosen: Integers) -> Iterator[tuple[Extent, Integers]]:
