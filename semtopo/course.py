@@ -8,50 +8,45 @@ a side can cross is known from its course.
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass
+from typing import NamedTuple
 
 import numpy as np
 
 from semtopo.border import Border
 from semtopo.geometry import as_complex
 from semtopo.sector import Sector
-from semtopo.types import Complexes, Flags, Floats, Integers
+from semtopo.types import Complexes, Flags, Integers
 
 UNCLEAR = 1e-11
 """m; ten times what rounding does to a place within a kilometre of the origin."""
 
-TURN = 2 * math.pi
+NEARLY_HALF_TURN = math.pi - 1e-6
+"""rad; a side that turns so far around the robot passes by at no distance."""
 
 
 class UnclearError(Exception):
     """A border and a sector come too near to each other to tell which is farther out."""
 
 
-@dataclass(frozen=True, slots=True, eq=False)
-class Course:
+class Course(NamedTuple):
     """The sides of a border near a sector: from each of some vertices to the next, if `real`.
 
     Of the vertices, `numbers` (n,) are the places in the border, `z` where they are, in m from the
-    robot, and `wedges` after which beam of the sector. Sides are cut at the beams into legs, in
-    order; a leg is of a `side` and in a wedge, `leg_wedges`. `begins` and `ends` are the first and
-    the last legs of each side.
-
-    The legs `cuts` begin at a `beam`: of their sides, `passes` says how far the line of each passes
-    by the robot, in m, and `slant` the sine of its angle with the beam, both with the same sign.
+    robot, and `wedges` after which beam of the sector. Sides are cut at the beams: of the cuts, in
+    order, `sides` (m,) says which side it is, `beams` at which beam, and `leads` to which wedge.
+    Vertices and cuts together are stops: `at_vertices` and `at_cuts` are their places among these.
+    From each to the next goes a leg.
     """
 
     numbers: Integers
     z: Complexes
     real: Flags
     wedges: Integers
-    side: Integers
-    leg_wedges: Integers
-    begins: Integers
-    ends: Integers
-    cuts: Integers
-    beam: Integers
-    passes: Floats
-    slant: Floats
+    sides: Integers
+    beams: Integers
+    leads: Integers
+    at_vertices: Integers
+    at_cuts: Integers
 
 
 def course_of(border: Border, sector: Sector) -> Course | None:
@@ -66,35 +61,35 @@ def course_of(border: Border, sector: Sector) -> Course | None:
     if len(numbers) == 0:
         return None
     z = as_complex(border.xy)[numbers] - sector.position
-    bearings = np.angle(z * sector.along[0].conj())
-    bearings[bearings < 0] += TURN
     if not sector.closed:
         _check_edges(z, sector)
-    wedges = sector.bearings.searchsorted(bearings, side="right") - 1
-    turns = bearings[1:] - bearings[:-1]
-    back, on = turns > math.pi, turns < -math.pi  # the short way leads over the first beam
-    if (np.abs(np.abs(turns) - math.pi)[real] < NEAR_HALF_TURN).any():
-        raise UnclearError
+    turned = z * -sector.along[0].conj()  # so the cut of the angle is the first beam
+    bearings = np.arctan2(turned.imag, turned.real)
+    wedges = (sector.bearings - math.pi).searchsorted(bearings, side="right") - 1
+    wedges[wedges < 0] = 0  # on the first beam
     steps = wedges[1:] - wedges[:-1]
-    steps[back] -= len(sector.beams)
-    steps[on] += len(sector.beams)
+    turns = bearings[1:] - bearings[:-1]
+    wide = (np.abs(turns) > NEARLY_HALF_TURN).nonzero()[0]
+    if len(wide):  # the short way leads over the first beam
+        if (np.abs(turns[wide]) < 2 * math.pi - NEARLY_HALF_TURN)[real[wide]].any():
+            raise UnclearError
+        steps[wide] -= np.sign(turns[wide]).astype(np.intp) * len(sector.far)
     steps *= real
-    return _cut(numbers, z, real, wedges, steps, sector)
-
-
-NEAR_HALF_TURN = 1e-6
-"""rad; a side that takes so nearly half a turn around the robot passes by at no distance."""
+    return _cut(numbers, z, real, wedges, steps, len(sector.far))
 
 
 def _near(border: Border, sector: Sector) -> tuple[Integers, Flags]:
     """Return the vertices of sides near a sector, and at which of them such a side begins."""
-    low_x, low_y, high_x, high_y = sector.box
+    reach, middle = float(sector.far.max()), sector.position
     x, y = border.xy[:, 0], border.xy[:, 1]
-    apart = np.zeros(len(x), dtype=np.bool_)
-    for beyond in (x < low_x, x > high_x, y < low_y, y > high_y):
-        apart[:-1] |= beyond[1:] & beyond[:-1]
-    apart[border.begins[1:] - 1] = True  # no side leads from one ring to the next
-    near = ~apart
+    near = np.zeros(len(x), dtype=np.bool_)
+    apart = near[1:]
+    for places, centre in ((x, middle.real), (y, middle.imag)):
+        low, high = places < centre - reach, places > centre + reach
+        apart |= low[1:] & low[:-1]
+        apart |= high[1:] & high[:-1]
+    np.logical_not(apart, out=near[:-1])
+    near[border.begins[1:] - 1] = False  # no side leads from one ring to the next
     chosen = near.copy()
     chosen[1:] |= near[:-1]
     numbers = chosen.nonzero()[0]
@@ -110,22 +105,18 @@ def _check_edges(z: Complexes, sector: Sector) -> None:
 
 
 def _cut(
-    numbers: Integers, z: Complexes, real: Flags, wedges: Integers, steps: Integers, sector: Sector
+    numbers: Integers, z: Complexes, real: Flags, wedges: Integers, steps: Integers, count: int
 ) -> Course:
     """Cut sides at the beams: each goes so many `steps` from wedge to wedge, down if negative."""
-    count = np.abs(steps) + 1
-    ends = count.cumsum()
-    begins = ends - count
-    side = np.arange(len(steps)).repeat(count)
-    step = np.arange(len(side)) - begins[side]
-    cuts = step.nonzero()[0]
-    up = np.sign(steps)[side]
-    leg_wedges = (wedges[side] + up * step) % len(sector.beams)
-    cut_side = side[cuts]
-    beam = (leg_wedges[cuts] + (up[cuts] < 0)) % len(sector.beams)
-    way = z[cut_side + 1] - z[cut_side]
-    way /= np.abs(way)
-    passes, slant = (z[cut_side].conj() * way).imag, (sector.along[beam].conj() * way).imag
+    cuts = np.abs(steps)
+    so_far = cuts.cumsum()
+    at_vertices = np.arange(len(z))
+    at_vertices[1:] += so_far
+    sides = np.arange(len(steps)).repeat(cuts)
+    step = np.arange(1, len(sides) + 1) - (so_far - cuts)[sides]
+    down = steps[sides] < 0
+    leads = (wedges[sides] + np.where(down, -step, step)) % count
+    beams = (leads + down) % count
     return Course(
-        numbers, z, real, wedges, side, leg_wedges, begins, ends - 1, cuts, beam, passes, slant
+        numbers, z, real, wedges, sides, beams, leads, at_vertices, at_vertices[sides] + step
     )

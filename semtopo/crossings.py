@@ -49,6 +49,8 @@ def seen_doorways(strips: Strips, owner: Integers, names: Sequence[SeenName]) ->
     `owner` says of each interval in which of the zones it lies, whose names are given, or `NOWHERE`
     (intervals,). A piece lies between two strips of zones that follow on the same two beams.
     """
+    if strips.scan.intervals.source.max(initial=NOWHERE) == NOWHERE:
+        return []
     entered = strips.entering()
     if len(entered) == 0:
         return []

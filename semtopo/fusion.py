@@ -77,7 +77,7 @@ def _swept(known: Extent, sector: Sector) -> Extent:
     found = None if course is None else sweep(course, sector)
     if course is None or found is None:
         return _covering(known, sector.inner_point)
-    if len(found) == 0:
+    if len(found.place) == 0:
         raise UnclearError
     seams = Seams.on(known.border, found.place)
     around = Seams.on(sector.border, found.around)

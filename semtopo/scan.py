@@ -110,18 +110,22 @@ def beam_rule(runs: Runs) -> Intervals:
     """
     starts = np.ones(len(runs.beam) + 1, dtype=np.bool_)  # where a beam begins, or the last ended
     np.not_equal(runs.beam[1:], runs.beam[:-1], out=starts[1:-1])
-    chosen = np.flatnonzero((runs.kind == Kind.SPACE) & ~_blocked(runs.kind, starts[:-1]))
+    chosen = ((runs.kind == SPACE) & ~_blocked(runs.kind, starts[:-1])).nonzero()[0]
     before, enters, leaves = chosen - 1, ~starts[chosen], ~starts[chosen + 1]
     near, far, label = runs.first[chosen] * enters, runs.last[chosen], runs.label[chosen]
     near_occupancy = _TOWARDS[runs.kind[before]] * enters
     far_occupancy = _TOWARDS[runs.kind.take(chosen + 1, mode="clip")]
-    far_occupancy[~leaves] = Occupancy.FREE  # Alg. 2, l. 25-29
-    far_occupancy[~leaves & (near == far)] = Occupancy.NONE  # l. 25 comes after l. 16, and R5
+    far_occupancy[~leaves] = FREE  # Alg. 2, l. 25-29
+    far_occupancy[~leaves & (near == far)] = NONE  # l. 25 comes after l. 16, and R5
     return Intervals(
         runs.beam[chosen], label, near, far, near_occupancy, far_occupancy,
         np.where(enters, _sources(runs, starts, before), NOWHERE),
     )  # fmt: skip
 
+
+SPACE, PASSAGE, OBSTACLE = map(int, (Kind.SPACE, Kind.PASSAGE, Kind.OBSTACLE))
+NONE, FREE = int(Occupancy.NONE), int(Occupancy.FREE)
+"""As plain numbers: numpy takes members of an enumeration apart at every comparison."""
 
 _TOWARDS = np.empty(len(Kind), dtype=np.uint8)
 """The occupancy of a point where a space ends, by the kind of what lies beyond."""
@@ -133,11 +137,11 @@ _TOWARDS[Kind.UNKNOWN] = Occupancy.FREE  # R13
 
 def _blocked(kind: Bytes, starts: Flags) -> Flags:
     """Say of each run whether it is, or lies behind, the first obstacle of its beam (R2)."""
-    obstacle = kind == Kind.OBSTACLE
-    met = np.cumsum(obstacle)
-    first = np.flatnonzero(starts)
-    before = np.repeat(met[first] - obstacle[first], np.diff(first, append=len(kind)))
-    return met > before
+    obstacle = kind == OBSTACLE
+    met = obstacle.cumsum()
+    before = (met - obstacle) * starts  # where a beam starts, those of beams before; elsewhere 0
+    blocked: Flags = met > np.maximum.accumulate(before)
+    return blocked
 
 
 def _sources(runs: Runs, starts: Flags, before: Integers) -> Integers:
@@ -145,9 +149,9 @@ def _sources(runs: Runs, starts: Flags, before: Integers) -> Integers:
 
     `before` is the run before the interval; so is the space where two touch (R5).
     """
-    through = (runs.kind[before] == Kind.PASSAGE) & ~starts[before]
+    through = (runs.kind[before] == PASSAGE) & ~starts[before]
     source = before - through
-    return np.where(runs.kind[source] == Kind.SPACE, runs.label[source], NOWHERE)
+    return np.where(runs.kind[source] == SPACE, runs.label[source], NOWHERE)
 
 
 def analyse(measurement: Measurement | Trace) -> Scan:
@@ -180,13 +184,13 @@ def _sampled_runs(measurement: Measurement) -> Runs:
     changed = np.ones(len(surface), dtype=np.bool_)
     np.not_equal(surface[1:], surface[:-1], out=changed[1:])
     changed[:: sensor.samples] = True
-    first = np.flatnonzero(changed)
-    beam, sample = np.divmod(first, sensor.samples)
+    first = changed.nonzero()[0]
     kind = surfaces.kind[surface[first]]
-    alike = np.zeros(len(first), dtype=np.bool_)
-    np.equal(kind[1:], kind[:-1], out=alike[1:])
-    differs = (sample == 0) | ~alike | (kind == Kind.SPACE)
-    first, beam, sample, kind = first[differs], beam[differs], sample[differs], kind[differs]
-    last = np.append(first[1:], len(surface)) - 1 - beam * sensor.samples
+    differs = kind == SPACE
+    differs[1:] |= kind[1:] != kind[:-1]
+    differs |= sensor.radius[first] == sensor.radii[0]
+    first, kind = first[differs], kind[differs]
+    last = np.empty_like(first)
+    last[:-1], last[-1:] = first[1:] - 1, len(surface) - 1
     label = surfaces.label[surface[first]]
-    return Runs(beam, kind, label, sensor.radii[sample], sensor.radii[last])
+    return Runs(sensor.beam[first], kind, label, sensor.radius[first], sensor.radius[last])

@@ -7,7 +7,7 @@ other; where it would enter, it goes on along that of the other.
 from __future__ import annotations
 
 from dataclasses import dataclass, replace
-from itertools import pairwise
+from itertools import accumulate, pairwise
 
 import numpy as np
 
@@ -45,18 +45,20 @@ class Seams:
         after[order] = order[following]
         return cls(border, side, rings, place, after)
 
-    def stretches(self, start: Integers, first: int) -> tuple[list[Integers], list[Integers]]:
-        """Return where the vertices from places to the next ones begin, and how many they are.
+    def stretches(self, start: Integers, first: int, begins: Integers, spans: Integers) -> None:
+        """Say where the vertices from places to the next ones begin, and how many they are.
 
         Vertices are counted from `first` on. Where the end of the ring lies between, they are in
-        two runs; the second is empty elsewhere.
+        two runs, and `begins` and `spans` (places, 2) get both; elsewhere the second is empty.
         """
         stop, ring = self.after[start], self.rings[start]
         begin, end = self.border.begins[ring], self.border.begins[ring + 1]
         side, last = self.side[start], self.side[stop]
         wraps = self.place[stop] <= self.place[start]
-        count = np.where(wraps, end - side - 1, last - side)
-        return [side + (first + 1), begin + (first + 1)], [count, (last - begin) * wraps]
+        begins[:, 0], begins[:, 1] = side, begin
+        begins += first + 1
+        spans[:, 0] = np.where(wraps, end - 1, last) - side
+        spans[:, 1] = (last - begin) * wraps
 
 
 def joined(
@@ -85,7 +87,8 @@ def joined(
     sides = np.where(enters, around.border.marks[around.side], known.border.marks[known.side])
     marks = np.concatenate([known.border.marks, around.border.marks, sides & SIDES])
     xy = np.concatenate(z)[chosen].view(np.float64).reshape(-1, 2)
-    border = Border(xy, np.cumsum([0, *map(len, kept), *lengths]), marks[chosen])
+    begins = np.array([0, *accumulate([*map(len, kept), *lengths])])
+    border = Border(xy, begins, marks[chosen])
     return _checked(border, len(whole)) if known.border.meets else border
 
 
@@ -123,16 +126,17 @@ def _vertices(
     """
     size = len(known.border.xy)
     crossing = size + len(around.border.xy)
-    entered, one = known.after[leaves], np.ones(len(leaves), dtype=np.intp)
-    ends = counts.cumsum()
-    closes = np.zeros(len(leaves), dtype=np.intp)
-    closes[ends - 1] = 1
+    entered, ends = known.after[leaves], counts.cumsum()
     firsts = leaves[ends - counts].repeat(counts)
-    known_runs, known_lengths = known.stretches(leaves, 0)
-    runs, lengths = around.stretches(entered, size)
-    begins = [leaves + crossing, *known_runs, entered + crossing, *runs, firsts + crossing]
-    spans = np.stack([one, *known_lengths, one, *lengths, closes], axis=1)
+    spans, begins = np.empty((2, len(leaves), 7), dtype=np.intp)
+    known.stretches(leaves, 0, begins[:, 1:3], spans[:, 1:3])
+    around.stretches(entered, size, begins[:, 4:6], spans[:, 4:6])
+    begins[:, 0], begins[:, 3], begins[:, 6] = leaves, entered, firsts
+    begins[:, ::3] += crossing
+    spans[:, 0] = spans[:, 3] = 1
+    spans[:, 6] = 0
+    spans[ends - 1, 6] = 1
     flat = spans.ravel()
     stops = flat.cumsum()
-    vertices = np.arange(stops[-1]) + (np.stack(begins, axis=1).ravel() - stops + flat).repeat(flat)
+    vertices = np.arange(stops[-1]) + (begins.ravel() - stops + flat).repeat(flat)
     return vertices, np.add.reduceat(spans.sum(axis=1), ends - counts).tolist()

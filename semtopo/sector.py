@@ -13,14 +13,13 @@ FREE. So are the sides along the first and the last beam of a sector.
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass, field
-from typing import Any, TypeAlias
+from itertools import accumulate
+from typing import Any, NamedTuple, TypeAlias
 
 import numpy as np
 from numpy.typing import NDArray
 
 from semtopo.border import POINT, SIDE, Border
-from semtopo.geometry import Box
 from semtopo.scan import Intervals, Scan
 from semtopo.types import Bytes, Complexes, Flags, Floats, Integers, Occupancy, Point
 
@@ -34,46 +33,27 @@ IN_LINE = 1e-9
 NONE, FREE = int(Occupancy.NONE), int(Occupancy.FREE)
 
 
-@dataclass(frozen=True, slots=True, eq=False)
-class Sector:
-    """What a chain of strips covers, on `beams` (n,) of a scan, counter-clockwise.
+class Sector(NamedTuple):
+    """What a chain of strips covers, beam by beam, counter-clockwise; seen from a `position`.
 
-    `far` and `near` (n,) are distances from the robot in m; `near` is `None` where the sector
-    begins at the robot. A `closed` one goes all around. `border` is its outline: first the far
-    ends, then the near ones back, without those that are the far ends; or the robot.
+    `along` (n,) are the directions of the beams, `bearings` how far they are turned from the first,
+    in rad. `far` and `near` (n,) are distances from the robot in m; `near` is `None` where the
+    sector begins at the robot. A `closed` one goes all around. `border` is its outline: first the
+    far ends, then the near ones back, without those that are the far ends; or the robot.
     """
 
-    scan: Scan
-    beams: Integers
+    position: complex
+    along: Complexes
+    bearings: Floats
     near: Floats | None
     far: Floats
     closed: bool
     border: Border
-    along: Complexes = field(init=False)
-    """The directions of the beams."""
-    bearings: Floats = field(init=False)
-    """How far each beam is turned from the first, in rad, counter-clockwise."""
-    position: complex = field(init=False)
-
-    def __post_init__(self) -> None:
-        """Look up what the fan knows of the beams."""
-        fan = self.scan.fan
-        bearings = fan.bearings[self.beams] - fan.bearings[self.beams[0]]
-        bearings[bearings < 0] += 2 * math.pi
-        object.__setattr__(self, "along", fan.along[self.beams])
-        object.__setattr__(self, "bearings", bearings)
-        object.__setattr__(self, "position", complex(*self.scan.position))
-
-    @property
-    def box(self) -> Box:
-        """Least x and y, greatest x and y of the sector, in m, map frame."""
-        x, y = self.border.xy[:, 0], self.border.xy[:, 1]
-        return (x.min(), y.min(), x.max(), y.max())
 
     @property
     def near_sides(self) -> Integers:
         """Which side of the outline goes along the near ends from each beam to the next, (n,)."""
-        count = len(self.beams)
+        count = len(self.far)
         if self.closed:
             sides = 2 * count - 1 - np.arange(count)
             sides[-1] = 2 * count
@@ -96,33 +76,37 @@ def sector_of(scan: Scan, intervals: Integers, *, closed: bool) -> Sector:
     """
     if scan.fan.clockwise:
         intervals = intervals[::-1]
-    spans = scan.intervals
+    spans, fan, position = scan.intervals, scan.fan, complex(*scan.position)
     beams, near, far = spans.beam[intervals], spans.near[intervals], spans.far[intervals]
-    if near[0] == 0:
-        why_far = spans.far_occupancy[intervals]
-        outer = _line(scan, beams, far, why_far, closed=closed)
-        rings = [outer] if closed else [_apex(outer, complex(*scan.position))]
-        return Sector(scan, beams, None, far, closed, _border(rings, exact=scan.exact))
-    why_near, why_far = spans.near_occupancy[intervals], _why_far(spans)[intervals]
-    outer = _line(scan, beams, far, why_far, closed=closed)
-    z, marks = _line(scan, beams, near, why_near, closed=closed)
-    sides = np.concatenate([marks[-1:], marks[:-1]]) // SIDE  # back, a side begins at its end
-    inner = z[::-1], ((marks & POINT) + SIDE * sides)[::-1]
-    rings = [outer, inner] if closed else [_around(outer, inner, (near < far)[[0, -1]])]
-    return Sector(scan, beams, near, far, closed, _border(rings, exact=scan.exact))
+    along, bearings = fan.along[beams], fan.bearings[beams]
+    bearings -= bearings[0]
+    bearings += (2 * math.pi) * (bearings < 0)
+    after = np.arange(1, len(beams) + 1)
+    after[-1] = 0
+    widths, from_robot = fan.widths[beams[after] if fan.clockwise else beams], near[0] == 0
+
+    def line(radii: Floats, why: Bytes) -> Line:
+        """Return the vertices at some distances; the side after the last is FREE if open."""
+        sides = _sides((radii, radii[after]), (why, why[after]), widths, scan.quantum)
+        if not closed:
+            sides[-1] = FREE
+        return position + radii * along, why + SIDE * sides
+
+    if from_robot:
+        outer = line(far, spans.far_occupancy[intervals])
+        rings = [outer] if closed else [_apex(outer, position)]
+    else:
+        outer = line(far, _why_far(spans)[intervals])
+        z, marks = line(near, spans.near_occupancy[intervals])
+        sides = np.concatenate([marks[-1:], marks[:-1]]) // SIDE  # back, a side begins at its end
+        inner = z[::-1], ((marks & POINT) + SIDE * sides)[::-1]
+        rings = [outer, inner] if closed else [_around(outer, inner, (near < far)[[0, -1]])]
+    border = _border(rings, exact=scan.exact)
+    return Sector(position, along, bearings, None if from_robot else near, far, closed, border)
 
 
 Line: TypeAlias = tuple[Complexes, Bytes]
 """Vertices with their marks."""
-
-
-def _line(scan: Scan, beams: Integers, radii: Floats, why: Bytes, *, closed: bool) -> Line:
-    """Return the vertices at some distances on beams; the side after the last is FREE if open."""
-    widths = scan.fan.widths[_after(beams) if scan.fan.clockwise else beams]
-    sides = _sides((radii, _after(radii)), (why, _after(why)), widths, scan.quantum)
-    if not closed:
-        sides[-1] = FREE
-    return complex(*scan.position) + radii * scan.fan.along[beams], why + SIDE * sides
 
 
 def _sides(
@@ -135,9 +119,10 @@ def _sides(
     """
     (one, other), (reason, other_reason) = radii, why
     sides: Bytes = np.minimum(reason, other_reason)
-    sides[sides == NONE] = np.maximum(reason, other_reason)[sides == NONE]
-    least, most = np.minimum(one, other), np.maximum(one, other)
-    sides[(sides == NONE) | (least * widths < SHADOW * (most - least - quantum))] = FREE
+    if not sides.all():
+        sides = np.where(sides == NONE, np.maximum(reason, other_reason), sides)
+    jumps = np.abs(one - other) - quantum
+    sides[(np.minimum(one, other) * widths < SHADOW * jumps) | (sides == NONE)] = FREE
     return sides
 
 
@@ -189,10 +174,10 @@ def _border(rings: list[Line], *, exact: bool) -> Border:
     """Return the border of open rings; of an exact scan, only their corners (R16)."""
     if exact:
         rings = [_cornered(*ring) for ring in rings]
-    begins = np.cumsum([0, *(len(z) + 1 for z, _ in rings)])
+    begins = [0, *accumulate(len(z) + 1 for z, _ in rings)]
     z = np.concatenate([part for ring, _ in rings for part in (ring, ring[:1])])
     marks = np.concatenate([part for _, ring in rings for part in (ring, ring[:1])])
-    return Border(z.view(np.float64).reshape(-1, 2), begins, marks)
+    return Border(z.view(np.float64).reshape(-1, 2), np.array(begins), marks)
 
 
 def _cornered(z: Complexes, marks: Bytes) -> Line:

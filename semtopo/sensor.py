@@ -29,8 +29,8 @@ class Sensor:
     """A ring of evenly spaced beams U_s = (u_sD, u_sR, u_sQ), each sampled at equal distances.
 
     `range` is in m. The `fan` holds the beams, beam 0 along +y and the others clockwise from it
-    (R1); `radii` (samples,) are the distances of the samples in m, and
-    `offsets` say where all of them lie from the robot, beam by beam.
+    (R1); `radii` (samples,) are the distances of the samples in m. Of all samples, beam by beam,
+    `beam` and `radius` (beams * samples,) say where they lie, as do the `offsets` from the robot.
 
     Raises
     ------
@@ -43,6 +43,8 @@ class Sensor:
     samples: int = 20
     fan: Fan = field(init=False, repr=False, compare=False)
     radii: Floats = field(init=False, repr=False, compare=False)
+    beam: Integers = field(init=False, repr=False, compare=False)
+    radius: Floats = field(init=False, repr=False, compare=False)
     offsets: Offsets = field(init=False, repr=False, compare=False)
 
     def __post_init__(self) -> None:
@@ -59,6 +61,8 @@ class Sensor:
         object.__setattr__(self, "fan", Fan(directions, ring=True))
         x, y = (radii * directions[:, None, axis] for axis in (0, 1))
         object.__setattr__(self, "radii", radii)
+        object.__setattr__(self, "beam", np.arange(self.beams).repeat(self.samples))
+        object.__setattr__(self, "radius", np.tile(radii, self.beams))
         object.__setattr__(self, "offsets", Offsets.of(x.ravel(), y.ravel(), self.range))
 
 

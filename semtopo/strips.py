@@ -7,6 +7,7 @@ its strips, and chains of those that follow one another. This room knows nothing
 
 from __future__ import annotations
 
+import math
 from collections.abc import Iterator
 from dataclasses import dataclass
 
@@ -56,7 +57,7 @@ class Strips:
         looks along its first, or its beams are half a turn apart.
         """
         left, right = self.left[chosen], self.right[chosen]
-        if (left[1:] == left[:-1]).any() or np.bincount(right).max(initial=0) > 1:
+        if (left[1:] == left[:-1]).any() or np.bincount(right).max() > 1:
             return False
         return self.scan.fan.is_even and not self.scan.fan.overlaps
 
@@ -123,7 +124,7 @@ def _overlapping(scan: Scan) -> tuple[Integers, Integers]:
     """
     spans, beams = scan.intervals, len(scan.fan)
     # beams are laid end to end; a power of two, so that equal radii stay equal
-    length = 2.0 ** np.ceil(np.log2(spans.far.max(initial=1.0)) + 1)
+    length = 2.0 ** math.ceil(math.log2(spans.far.max(initial=1.0)) + 1)
     there = (spans.beam + 1) % beams * length
     here = spans.beam * length
     first = np.searchsorted(here + spans.far, there + spans.near, side="left")

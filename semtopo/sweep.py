@@ -1,14 +1,13 @@
 """Where a border crosses the outline of a sector, found by sweeping around the robot (R12).
 
 Between two beams a sector has a single side at its far ends, and one at its near ends: whether a
-piece of border crosses it follows from how deep inside the piece begins and ends. So all crossings
+leg of a border crosses it follows from how deep inside the leg begins and ends. So all crossings
 are found in arrays, from the course of the border from beam to beam.
 """
 
 from __future__ import annotations
 
-from dataclasses import dataclass
-from typing import TypeAlias
+from typing import NamedTuple, TypeAlias
 
 import numpy as np
 
@@ -20,14 +19,13 @@ BELOW_ONE = 1 - 2**-40
 """A crossing lies on the side on which it was found, also where rounding says otherwise."""
 
 
-@dataclass(frozen=True, slots=True, eq=False)
-class Crossings:
+class Crossings(NamedTuple):
     """Where a border crosses the outline of a sector, in order along the border, (crossings,) each.
 
     `place` is the number of the vertex of the border before, and the share of the side from there;
     `around` is the same on the outline. `z` is the point, in m from the robot. `enters` says
-    whether the border enters the sector there. `inside` says of each vertex of the course but the
-    last whether it lies inside.
+    whether the border enters the sector there. `inside` says of each vertex of the course whether
+    it lies inside.
     """
 
     place: Floats
@@ -35,10 +33,6 @@ class Crossings:
     z: Complexes
     enters: Flags
     inside: Flags
-
-    def __len__(self) -> int:
-        """Return how many there are."""
-        return len(self.place)
 
 
 def sweep(course: Course, sector: Sector) -> Crossings | None:
@@ -49,31 +43,45 @@ def sweep(course: Course, sector: Sector) -> Crossings | None:
     UnclearError
         A place of the border is so near to the outline that rounding decides on which side it is.
     """
-    gap = None if sector.closed else course.leg_wedges == len(sector.beams) - 1
-    fronts = [_Front(sector, course, gap, far=True)]
+    legs = _Legs(course, sector)
+    fronts = [_Front(sector, course, legs, far=True)]
     if sector.near is not None:
-        fronts.append(_Front(sector, course, gap, far=False))
+        fronts.append(_Front(sector, course, legs, far=False))
     depths = [front.depths for front in fronts]
-    real = course.real[course.side]
-    least = depths[0] if sector.near is None else np.minimum(*depths)
-    if not ((least > UNCLEAR) & real).any() and not _through(depths, real):
+    least = depths[0] if len(depths) == 1 else np.minimum(*depths)
+    if least.max() <= UNCLEAR and not (len(depths) > 1 and _through(depths, legs.real)):
         return None
-    if any(((np.abs(it) < UNCLEAR) & real).any() for it in depths):
+    if any(np.abs(it).min() < UNCLEAR for it in depths):
         raise UnclearError
-    found = [front.crossed(real) for front in fronts]
-    if gap is not None:
-        inside = np.maximum(least[0, course.cuts], least[1, course.cuts - 1]) > 0
-        found.append(_edges_crossed(course, sector, gap, inside))
-    return _in_order(found, least[0, course.begins] > 0)
+    found = [front.crossed() for front in fronts]
+    if legs.gap is not None:
+        found.append(_edges_crossed(course, sector, legs, least[course.at_cuts] > 0))
+    return _in_order(found, least[course.at_vertices] > 0)
 
 
-def _through(depths: list[Floats], real: Flags) -> bool:
-    """Say whether a leg goes through both fronts of a sector, from one side to the other."""
-    if len(depths) == 1:
-        return False
-    deepest, shallowest = (find(depths, axis=1) for find in (np.max, np.min))
-    flips = (deepest > UNCLEAR) & (shallowest < -UNCLEAR)
-    return bool((flips[0] & flips[1] & real).any())
+class _Legs:
+    """Of the legs of a course, the wedge, and whether it is `real` and not in the gap.
+
+    `gap` says which lie between the last and the first beam of a sector that is not closed. How far
+    the line of a side passes by the robot is known at each cut, in m, and the sine of its angle
+    with the beam, which has the same sign.
+    """
+
+    def __init__(self, course: Course, sector: Sector) -> None:
+        """Put together what is known at vertices and at cuts."""
+        self.wedges = np.empty(len(course.z) + len(course.sides), dtype=np.intp)
+        self.wedges[course.at_vertices], self.wedges[course.at_cuts] = course.wedges, course.leads
+        self.real = np.ones(len(self.wedges) - 1, dtype=np.bool_)
+        self.real[course.at_vertices[:-1]] = course.real
+        self.gap = None
+        if not sector.closed:
+            self.gap = self.wedges == len(sector.far) - 1
+            self.real &= ~self.gap[:-1]
+        start = course.z[course.sides]
+        ways = course.z[course.sides + 1] - start
+        ways /= np.abs(ways)
+        self.passes = (start.conj() * ways).imag
+        self.slant = (sector.along[course.beams].conj() * ways).imag
 
 
 Found: TypeAlias = tuple[Floats, Floats, Complexes, Flags]
@@ -83,47 +91,58 @@ Found: TypeAlias = tuple[Floats, Floats, Complexes, Flags]
 class _Front:
     """The far or the near ends of a sector: one side in each wedge, none in the gap.
 
-    `depths` (2, legs) says how far inside each leg of a course begins and ends, in m.
+    `depths` (stops,) says how far inside each stop of a course is, in m: at a beam, how far the end
+    of the front is from the side that is cut there.
     """
 
-    def __init__(self, sector: Sector, course: Course, gap: Flags | None, *, far: bool) -> None:
+    def __init__(self, sector: Sector, course: Course, legs: _Legs, *, far: bool) -> None:
         """Lay the sides out, and see how deep the course goes."""
+        self._course, self._legs, self._far = course, legs, far
         radii = sector.far if far or sector.near is None else sector.near
-        self._course, self._inward = course, 1.0 if far else -1.0
-        self._numbers = np.arange(len(radii)) if far else sector.near_sides
+        self._numbers = None if far else sector.near_sides
         self._start = radii * sector.along
-        self._chord = np.concatenate([self._start[1:], self._start[:1]]) - self._start
-        self._normal = self._chord / (1j * np.abs(self._chord))
+        self._chord = np.empty_like(self._start)
+        np.subtract(self._start[1:], self._start[:-1], out=self._chord[:-1])
+        self._chord[-1] = self._start[0] - self._start[-1]
+        inward = 1.0 if far else -1.0
+        self._normal = self._chord * (1j * inward / np.abs(self._chord))
         self._offset = (self._normal.conj() * self._start).real
-        wedges, cuts = course.wedges, course.cuts
-        out = (self._normal[wedges].conj() * course.z).real
-        at_vertices = self._inward * (self._offset[wedges] - out)
-        self.depths = np.empty((2, len(course.side)))
-        self.depths[0, course.begins] = at_vertices[:-1]
-        self.depths[1, course.ends] = at_vertices[1:]
-        # at a beam, how far the end of the front is from the side
-        out = course.passes - radii[course.beam] * course.slant
-        at_cuts = -self._inward * out * np.sign(course.slant)
-        self.depths[0, cuts] = self.depths[1, cuts - 1] = at_cuts
-        if gap is not None:
-            self.depths[:, gap] = -self._inward
+        at_vertices = (self._normal[course.wedges].conj() * course.z).real
+        at_vertices -= self._offset[course.wedges]
+        if legs.gap is not None:
+            at_vertices[course.wedges == len(radii) - 1] = -inward
+        out = legs.passes - radii[course.beams] * legs.slant
+        self.depths = np.empty(len(legs.wedges))
+        self.depths[course.at_vertices] = at_vertices
+        self.depths[course.at_cuts] = out * np.copysign(1.0, -inward * legs.slant)
 
-    def crossed(self, real: Flags) -> Found:
+    def crossed(self) -> Found:
         """Return where the course crosses the sides."""
-        inside = self.depths > 0
-        legs = ((inside[0] != inside[1]) & real).nonzero()[0]
-        side, wedge = self._course.side[legs], self._course.leg_wedges[legs]
-        start = self._course.z[side]
-        way = self._course.z[side + 1] - start
-        normal = self._normal[wedge].conj()
+        inside, course = self.depths > 0, self._course
+        legs = ((inside[1:] != inside[:-1]) & self._legs.real).nonzero()[0]
+        side, wedge = (
+            course.at_vertices.searchsorted(legs, side="right") - 1,
+            self._legs.wedges[legs],
+        )
+        start, normal, chord = course.z[side], self._normal[wedge].conj(), self._chord[wedge]
+        way = course.z[side + 1] - start
         share = (self._offset[wedge] - (normal * start).real) / (normal * way).real
         z = start + share * way
-        chord = self._chord[wedge]
-        along = (chord.conj() * (z - self._start[wedge])).real / (chord.conj() * chord).real
-        if self._inward < 0:
-            along = 1 - along
-        numbers = self._course.numbers[side]
-        return _placed(numbers, share), _placed(self._numbers[wedge], along), z, inside[1][legs]
+        along = ((z - self._start[wedge]) / chord).real
+        if self._numbers is None:
+            around = _placed(wedge, along)
+        else:
+            around = _placed(self._numbers[wedge], 1 - along)
+        return _placed(course.numbers[side], share), around, z, inside[legs + 1]
+
+
+def _through(depths: list[Floats], real: Flags) -> bool:
+    """Say whether a leg goes through both fronts of a sector, from one side to the other."""
+    through = real.copy()
+    for depth in depths:
+        one, other = depth[:-1], depth[1:]
+        through &= (np.maximum(one, other) > UNCLEAR) & (np.minimum(one, other) < -UNCLEAR)
+    return bool(through.any())
 
 
 def _placed(side: Integers, share: Floats) -> Floats:
@@ -131,24 +150,23 @@ def _placed(side: Integers, share: Floats) -> Floats:
     return np.minimum(np.maximum(share, 0.0), BELOW_ONE) + side
 
 
-def _edges_crossed(course: Course, sector: Sector, gap: Flags, inside: Flags) -> Found:
+def _edges_crossed(course: Course, sector: Sector, legs: _Legs, inside: Flags) -> Found:
     """Return where a course comes from the gap of a sector that is not closed, or goes there.
 
     `inside` says of each cut whether it lies between the near and the far end of its beam.
     """
-    cuts = course.cuts
-    comes, goes = gap[cuts - 1] & ~gap[cuts], ~gap[cuts - 1] & gap[cuts]
-    chosen = ((comes | goes) & inside & course.real[course.side[cuts]]).nonzero()[0]
-    side, beam = course.side[cuts[chosen]], course.beam[chosen]
-    radii = course.passes[chosen] / course.slant[chosen]
+    gap = np.zeros(0, dtype=np.bool_) if legs.gap is None else legs.gap
+    comes = gap[course.at_cuts - 1]
+    chosen = ((comes != gap[course.at_cuts]) & inside).nonzero()[0]
+    side, beam = course.sides[chosen], course.beams[chosen]
+    radii = legs.passes[chosen] / legs.slant[chosen]
     z = radii * sector.along[beam]
     start = course.z[side]
-    way = course.z[side + 1] - start
-    share = ((z - start) * way.conj()).real / (way * way.conj()).real
+    share = ((z - start) / (course.z[side + 1] - start)).real
     near = 0.0 if sector.near is None else sector.near[beam]
     out = (radii - near) / (sector.far[beam] - near)
     first = beam == 0
-    edge = np.where(first, len(sector.border.xy) - 2, len(sector.beams) - 1)
+    edge = np.where(first, len(sector.border.xy) - 2, len(sector.far) - 1)
     around = _placed(edge, np.where(first, out, 1 - out))
     return _placed(course.numbers[side], share), around, z, comes[chosen]
 

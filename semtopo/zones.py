@@ -12,6 +12,7 @@ from __future__ import annotations
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass
 from functools import partial
+from itertools import pairwise
 
 import numpy as np
 import shapely
@@ -193,10 +194,12 @@ def _parts(extent: Extent, strips: Strips, chosen: Integers) -> Iterator[tuple[E
 
 def _places(numbers: Integers) -> dict[int, Integers]:
     """Return where each number stands in an array, ascending."""
-    order = np.argsort(numbers, kind="stable")
-    found, first = np.unique(numbers[order], return_index=True)
-    parts = np.split(order, first[1:])  # one part, also of nothing
-    return dict(zip(found.tolist(), parts, strict=False))
+    if len(numbers) == 0:
+        return {}
+    order = numbers.argsort(kind="stable")
+    ordered = numbers[order]
+    first = [0, *((ordered[1:] != ordered[:-1]).nonzero()[0] + 1).tolist(), len(order)]
+    return {int(ordered[one]): order[one:end] for one, end in pairwise(first)}
 
 
 def _nearest(zones: list[Zone], position: Point) -> Zone | None:
@@ -204,15 +207,19 @@ def _nearest(zones: list[Zone], position: Point) -> Zone | None:
 
     Samples stand at equal distances, so ties are common; rounding must not decide them.
     """
-    place = shapely.Point(position)
-    distances = [zone.region.distance(place) for zone in zones]
+    distances: list[float] = []
+    for zone in zones:
+        holds = any(sector.near is None for sector in zone.sectors)
+        distances.append(0.0 if holds else zone.region.distance(shapely.Point(position)))
+        if holds:  # no other is nearer, and the first by name is meant
+            break
     near = min(distances, default=0.0) + SAME_DISTANCE
-    return next((zone for zone, far in zip(zones, distances, strict=True) if far <= near), None)
+    return next((zone for zone, far in zip(zones, distances, strict=False) if far <= near), None)
 
 
 def _seen_links(here: Zone, strips: Strips, zones: list[Zone], owner: Integers) -> Iterator[Link]:
     """Yield a link from here to every other zone (Alg. 3, l. 13-29)."""
-    places = _places(owner[strips.left])
+    places = _places(owner[strips.left]) if len(zones) > 1 else {}
     for number, zone in enumerate(zones):
         if zone is not here and number in places:
             yield _link(here, zone, partial(strips.polygons, places[number]))
