@@ -16,6 +16,7 @@ from typing import Any
 from fastapi import FastAPI
 from uvicorn.protocols.http.httptools_impl import HttpToolsProtocol
 
+from service.corked import Corked
 from service.problems import Problem
 
 REQUEST_SECONDS = 10.0
@@ -49,7 +50,7 @@ class PatientProtocol(HttpToolsProtocol):
 
     def connection_made(self, transport: asyncio.Transport) -> None:  # type: ignore[override]
         """Wait for the first request."""
-        super().connection_made(transport)
+        super().connection_made(Corked(transport))
         if len(self.connections) > self._connections_max:
             self._refuse(_BUSY, "busy", "too many connections are open")
         else:
