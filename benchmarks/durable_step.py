@@ -91,7 +91,7 @@ def server(code: str, environment: dict[str, str]) -> Iterator[int]:
     with subprocess.Popen(  # noqa: S603 -- ourselves
         command, env={**os.environ, **environment}, stderr=subprocess.DEVNULL
     ) as process:
-        for _ in range(400):
+        for _ in range(2_400):
             with socket.socket() as probe:
                 if probe.connect_ex((HOST, port)) == 0:
                     break
