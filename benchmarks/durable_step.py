@@ -35,7 +35,7 @@ app = create_app(); gc.collect(); gc.freeze()
 uvicorn.run(app, port={port}, access_log=False, log_level="warning")
 """
 
-SEMTOPO = """
+_SEMTOPO = """
 import logging, os
 from service.app import serve
 from service.settings import Settings
@@ -44,6 +44,9 @@ serve(Settings(port={port}, database="sqlite:///" + os.environ["STEP_DATABASE"])
 """
 
 SILENT = "logging.disable(logging.INFO)"
+
+SEMTOPO = _SEMTOPO.replace("CHANGE", SILENT)
+"""A server without a log of requests."""
 
 STILL = """
 from dataclasses import replace
@@ -73,9 +76,9 @@ class Subject:
 YARDSTICK = Subject("bare, on a thread", BARE, "/thread")
 
 SUBJECTS = [
-    Subject("steps, computing left out", SEMTOPO.replace("CHANGE", SILENT + STILL)),
-    Subject("steps, computing taken off", SEMTOPO.replace("CHANGE", SILENT), computes=True),
-    Subject("the same, requests logged", SEMTOPO.replace("CHANGE", ""), computes=True),
+    Subject("steps, computing left out", _SEMTOPO.replace("CHANGE", SILENT + STILL)),
+    Subject("steps, computing taken off", SEMTOPO, computes=True),
+    Subject("the same, requests logged", _SEMTOPO.replace("CHANGE", ""), computes=True),
     YARDSTICK,
     Subject("bare, on the event loop", BARE, "/loop"),
 ]
@@ -92,6 +95,8 @@ def server(code: str, environment: dict[str, str]) -> Iterator[int]:
         command, env={**os.environ, **environment}, stderr=subprocess.DEVNULL
     ) as process:
         for _ in range(2_400):
+            if process.poll() is not None:
+                raise RuntimeError("the server ended")
             with socket.socket() as probe:
                 if probe.connect_ex((HOST, port)) == 0:
                     break
