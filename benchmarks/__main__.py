@@ -22,7 +22,7 @@ from rich.console import Console
 from benchmarks.table import Row, show
 
 MODULES = (
-    "stages", "octave", "growth", "worlds", "routes", "dense_paths",
+    "stages", "octave", "growth", "worlds", "routes", "dense_paths", "proved_paths",
     "http_steps", "durable_step", "reading", "memory", "many_sessions",
 )  # fmt: skip
 WIDTH = 180

@@ -1,4 +1,4 @@
-"""Time dense paths beside two peers, and count the random queries whose path is proved.
+"""Time dense paths beside two peers.
 
 The peers are no dependency (`python -m benchmarks --help`); without them only our own times are
 given. In each round a map has changed: everything is built anew, and one query is answered.
@@ -11,24 +11,19 @@ import importlib.util
 import math
 import statistics
 import time
-from collections import Counter
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass
 from functools import partial
 from random import Random
 from typing import TypeAlias
 
-import shapely
 from shapely import LineString, Polygon
 
 from benchmarks.table import Table
-from semtopo.errors.ways import NotConnectedError, OutsideError, TooNarrowError
 from semtopo.freespace import FreeSpace
 from semtopo.geometry import Region
 from semtopo.types import Point
-from tests.regions import DRAWS, place
 
-QUERIES = 10_000
 COMPARED = (100, 500)
 GROWING = (100, 500, 2000)
 """Vertices of regions: beside peers, and alone."""
@@ -155,47 +150,8 @@ def growth_table() -> Table:
     return ("time as regions grow, corner to corner", rows)
 
 
-def proof_table() -> Table:
-    """Ask random queries in hard regions, and check each path anew, outside of the library."""
-    rows = []
-    for draw in DRAWS:
-        counts: Counter[str] = Counter()
-        share = math.ceil(QUERIES / len(DRAWS))
-        for result in _walks(draw, share):
-            counts[result] += 1
-        rows.append({
-            "regions": draw.__name__, "queries": str(counts.total()), "paths": str(counts["path"]),
-            "outside free space": str(counts["outside"]),
-            "refused": str(counts["refused"]),
-        })  # fmt: skip
-    return ("random queries, radius 0 to 0.3 m", rows)
-
-
-def _walks(draw: Callable[[Random], Region], count: int) -> Iterator[str]:
-    for seed in range(math.ceil(count / 20)):
-        random = Random(seed)
-        region = draw(random)
-        for radius in (0.0, random.choice([0.02, 0.1, 0.3])):
-            space = FreeSpace(region, radius)
-            for _ in range(10):
-                yield _walk(space, place(random, region), place(random, region))
-
-
-def _walk(space: FreeSpace, start: Point, goal: Point) -> str:
-    """Ask from the places nearest to two, and say how it ended."""
-    begin, end = space.nearest_place(start) or start, space.nearest_place(goal) or goal
-    try:
-        path = space.path(begin, end)
-    except (NotConnectedError, OutsideError, TooNarrowError):
-        return "refused"
-    line = LineString(path.points)
-    clear = line.distance(shapely.boundary(space.region)) >= space.radius
-    return "path" if clear and space.region.covers(line) else "outside"
-
-
 def tables() -> Iterator[Table]:
     """Yield each table as soon as it is there."""
     for vertices in COMPARED:
         yield peers_table(vertices)
     yield growth_table()
-    yield proof_table()

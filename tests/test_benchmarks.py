@@ -3,18 +3,23 @@
 from __future__ import annotations
 
 import importlib
+import pathlib
 import shutil
 import sys
-from pathlib import Path
+from random import Random
 
 import orjson
 import pytest
+from shapely import Polygon
 
 from benchmarks import __main__ as command
-from benchmarks import growth, octave, stages, worlds
+from benchmarks import growth, octave, proved_paths, stages, worlds
 from benchmarks.paper import path, wander, world
 from semtopo import MappingOptions, Sensor, explore
+from semtopo.errors.ways import NotConnectedError
+from semtopo.freespace import FreeSpace, Path
 from semtopo.types import Sensing
+from tests.visibility import ShortestWays
 
 SMALL: dict[str, dict[str, object]] = {
     "stages": {"ROUNDS": 1, "BEAMS": (36,)},
@@ -22,7 +27,8 @@ SMALL: dict[str, dict[str, object]] = {
     "growth": {"STEPS": 120, "MARKS": (110, 120)},
     "worlds": {"SIZES": (10, 100), "STEPS": 20, "ROUNDS": 1},
     "routes": {"SIDE": 6, "QUERIES": 5},
-    "dense_paths": {"QUERIES": 400, "COMPARED": (50,), "GROWING": (50,)},
+    "dense_paths": {"COMPARED": (50,), "GROWING": (50,)},
+    "proved_paths": {"QUERIES": 90},
     "http_steps": {"ROUNDS": 2, "STEPS": 5, "LAYOUTS": ((1, 2, "together"), (2, 2, "apart"))},
     "durable_step": {"ROUNDS": 2, "COUNT": {2: 20}},
     "reading": {"READS": 20, "ROUNDS": 1, "ROOMS": 9},
@@ -33,14 +39,17 @@ SMALL: dict[str, dict[str, object]] = {
 
 
 def test_every_module_is_measured_here() -> None:
-    files = Path(command.__file__).parent.glob("*.py")
+    files = pathlib.Path(command.__file__).parent.glob("*.py")
     measuring = {it.stem for it in files if "\ndef tables(" in it.read_text()}
     assert measuring == set(command.MODULES) == set(SMALL)
 
 
 @pytest.mark.parametrize("name", SMALL)
 def test_tables_are_printed_and_written(
-    name: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+    name: str,
+    tmp_path: pathlib.Path,
+    monkeypatch: pytest.MonkeyPatch,
+    capsys: pytest.CaptureFixture[str],
 ) -> None:
     module = importlib.import_module(f"benchmarks.{name}")
     for constant, value in SMALL[name].items():
@@ -99,6 +108,40 @@ def test_a_peer_with_another_map_is_no_peer(monkeypatch: pytest.MonkeyPatch) -> 
     for other, why in wrong:
         with pytest.raises(octave.DifferentMapError, match=why):
             octave.check(other, 36)
+
+
+@pytest.mark.parametrize(
+    ("length", "best", "told"),
+    [
+        (1.0, 1.0, []),
+        (1.0, 1.001, ["shorter than can be"]),
+        (1.0, None, ["shorter than can be"]),
+        (1.005, 1.0, ["longer at all"]),
+        (1.02, 1.0, ["longer at all", "over 1 % longer"]),
+    ],
+)
+def test_lengths_are_judged(length: float, best: float | None, told: list[str]) -> None:
+    assert list(proved_paths.compared(length, best)) == told
+
+
+def test_faults_of_paths_are_counted(monkeypatch: pytest.MonkeyPatch) -> None:
+    space = FreeSpace(Polygon([(0, 0), (9, 0), (9, 9), (0, 9)], [[(1, 1), (8, 1), (8, 8), (1, 8)]]))
+    ways = ShortestWays(space.inset)
+    monkeypatch.setattr(proved_paths, "ends", lambda *_: ((0.5, 4.0), (8.5, 4.0)))
+
+    def told() -> set[str]:
+        return set(proved_paths.judged(space, ways, Random(0))) & set(proved_paths.FAULTS)
+
+    assert told() == set()
+    straight = Path(((0.5, 4.0), (8.5, 4.0)), 8.0, 0.0)
+    monkeypatch.setattr(FreeSpace, "path", lambda *_: straight)
+    assert told() == {"outside free space", "shorter than can be"}
+
+    def refuse(*_: object) -> Path:
+        raise NotConnectedError("no way")
+
+    monkeypatch.setattr(FreeSpace, "path", refuse)
+    assert told() == {"wrongly refused"}
 
 
 def test_growth_is_measured_on_the_same_walk(monkeypatch: pytest.MonkeyPatch) -> None:

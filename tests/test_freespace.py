@@ -19,7 +19,7 @@ from semtopo.geometry import Region, polygonal
 from semtopo.inset import SLACK
 from semtopo.types import Point
 from tests.regions import DRAWS, Draw, far_away, place, touching, turned_grid
-from tests.visibility import shortest_length, visibility_graph
+from tests.visibility import ShortestWays
 
 every_draw = pytest.mark.parametrize("draw", DRAWS, ids=lambda draw: draw.__name__)
 
@@ -207,10 +207,10 @@ def test_paths_are_as_short_as_the_visibility_graph(draw: Draw, radius: float) -
 
 def compared(random: Random, space: FreeSpace) -> Iterator[int]:
     """Compare some paths with the oracle's; yield how often each bends."""
-    graph = visibility_graph(space.inset)
+    ways = ShortestWays(space.inset)
     for _ in range(10):
         start, goal = ends(random, space)
-        best = shortest_length(graph, space.inset, start, goal)
+        best = ways.length(start, goal)
         try:
             path = space.path(start, goal)
         except (NotConnectedError, TooNarrowError):

@@ -10,7 +10,7 @@ import numpy as np
 import shapely
 
 from semtopo.geometry import Region
-from semtopo.types import Floats, Point
+from semtopo.types import Flags, Floats, Integers, Point
 
 Graph: TypeAlias = "nx.Graph[Point]"
 
@@ -31,22 +31,49 @@ def visibility_graph(region: Region) -> Graph:
 
 def link(graph: Graph, region: Region, ones: Floats, others: Floats) -> None:
     """Link those of pairs of points (n, 2) that see each other in a region."""
-    room = shapely.buffer(region, ROUNDING, join_style="mitre")
-    shapely.prepare(room)
-    seen = shapely.covers(room, shapely.linestrings(np.stack([ones, others], axis=1)))
+    seen = sights(region, ones, others)
     for a, b in zip(ones[seen].tolist(), others[seen].tolist(), strict=True):
         graph.add_edge(tuple(a), tuple(b), weight=math.dist(a, b))
 
 
-def shortest_length(graph: Graph, region: Region, start: Point, goal: Point) -> float | None:
-    """Return the length of the shortest path; None if there is none."""
-    whole = graph.copy()
-    vertices = np.array(list(graph.nodes))
-    for point in (start, goal):
-        whole.add_node(point)
-        link(whole, region, np.broadcast_to(point, vertices.shape), vertices)
-    link(whole, region, np.array([start]), np.array([goal]))
-    try:
-        return float(nx.dijkstra_path_length(whole, start, goal))
-    except nx.NetworkXNoPath:
-        return None
+def sights(region: Region, ones: Floats, others: Floats) -> Flags:
+    """Say which of pairs of points (n, 2) see each other in a region."""
+    room = shapely.buffer(region, ROUNDING, join_style="mitre")
+    shapely.prepare(room)
+    seen: Flags = np.asarray(
+        shapely.covers(room, shapely.linestrings(np.stack([ones, others], axis=1)))
+    )
+    return seen
+
+
+class ShortestWays:
+    """The lengths of the shortest ways in a region, by its visibility graph."""
+
+    def __init__(self, region: Region) -> None:
+        """Find the shortest way from each vertex to each other (Floyd and Warshall)."""
+        self._region = region
+        self._vertices = points = np.unique(shapely.get_coordinates(region), axis=0)
+        count = len(points)
+        one, other = np.triu_indices(count, 1)
+        seen = sights(region, points[one], points[other])
+        one, other = one[seen], other[seen]
+        self._between = ways = np.full((count, count), np.inf)
+        ways[one, other] = ways[other, one] = np.hypot(*(points[one] - points[other]).T)
+        np.fill_diagonal(ways, 0)
+        for by in range(count):
+            np.minimum(ways, ways[:, by, None] + ways[by], out=ways)
+
+    def length(self, start: Point, goal: Point) -> float | None:
+        """Return the length of the shortest way; None if there is none."""
+        if sights(self._region, np.array([start]), np.array([goal]))[0]:
+            return math.dist(start, goal)
+        (begin, begun), (end, ended) = self._seen_from(start), self._seen_from(goal)
+        ways = begun[:, None] + self._between[np.ix_(begin, end)] + ended
+        least = float(np.min(ways, initial=math.inf))
+        return None if math.isinf(least) else least
+
+    def _seen_from(self, point: Point) -> tuple[Integers, Floats]:
+        """Return the numbers of the vertices that are seen from a point, and how far they are."""
+        from_here = np.broadcast_to(point, self._vertices.shape)
+        (seen,) = np.nonzero(sights(self._region, from_here, self._vertices))
+        return seen, np.hypot(*(self._vertices[seen] - point).T)
