@@ -1,26 +1,16 @@
-"""Read back earlier maps: from the last checkpoint, the log is replayed."""
+"""Read back how a session was: what the robot saw, and what was noted."""
 
 from __future__ import annotations
-
-from dataclasses import replace
 
 import orjson
 from sqlalchemy import Connection
 
-from semtopo import LabelledRuns, MapState, Pose, PoseDocument, Scan, ScanDocument
+from semtopo import LabelledRuns, Pose, PoseDocument, Scan, ScanDocument
 from service import store
 from service.clock import seconds
 from service.hot import HotSession
 from service.notes import Notes, epoch
 from service.stopwatch import Stopwatch
-
-
-def state_at(connection: Connection, hot: HotSession, seq: int) -> MapState:
-    """Return the map of a session as of step `seq`, which it has taken; 0 is the empty map."""
-    state = store.load_checkpoint(connection, hot.row.number, seq)
-    for logged in store.list_steps(connection, hot.row.number, state.seq, seq - state.seq):
-        state = _retaken(replace(hot, state=state), logged)
-    return state
 
 
 def notes_at(connection: Connection, hot: HotSession, seq: int) -> tuple[Notes, float]:
@@ -33,14 +23,13 @@ def notes_at(connection: Connection, hot: HotSession, seq: int) -> tuple[Notes, 
 def scan_at(connection: Connection, hot: HotSession, seq: int) -> tuple[Pose, Scan] | None:
     """Return where the robot was at step `seq` and what it saw; `None` before the first step."""
     logged = store.find_step(connection, hot.row.number, seq)
-    if logged is None:
-        return None
+    return None if logged is None else look_again(hot, logged)
+
+
+def look_again(hot: HotSession, logged: store.LoggedStep) -> tuple[Pose, Scan]:
+    """Return where the robot was at a step, and what it saw there."""
     pose, seen = _given(logged)
     return pose, hot.look(pose, seen, Stopwatch())
-
-
-def _retaken(hot: HotSession, logged: store.LoggedStep) -> MapState:
-    return hot.take(*_given(logged), Stopwatch()).state
 
 
 def _given(logged: store.LoggedStep) -> tuple[Pose, LabelledRuns | None]:

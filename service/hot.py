@@ -185,9 +185,13 @@ def load(connection: Connection, session_id: str, known: HotSession | None) -> H
     sensor = SensorDocument.model_validate_json(row.sensor).value()
     options = MappingDocument.model_validate_json(row.mapping).value()
     state = store.load_state(connection, row)
-    map_bytes = _bytes_of(state.metric.zones.values(), state.metric.doorways.values())
     notes = Notes().after(store.list_changes(connection, row.number) if row.revision else [])
-    return HotSession(row, world, sensor, options, state, map_bytes=map_bytes, notes=notes)
+    return HotSession(row, world, sensor, options, state, map_bytes=bytes_of(state), notes=notes)
+
+
+def bytes_of(state: MapState) -> int:
+    """Return about what a map takes in memory."""
+    return _bytes_of(state.metric.zones.values(), state.metric.doorways.values())
 
 
 def _bytes_of(zones: Iterable[MappedZone], doorways: Iterable[Doorway]) -> int:

@@ -18,9 +18,10 @@ from semtopo.codec import graph_body
 from semtopo.exports.sight import sight_body
 from semtopo.journey import WayOptions
 from service.clock import seconds
-from service.history import notes_at, scan_at, state_at
+from service.history import notes_at, scan_at
 from service.hot import HotSession, entity_tag
 from service.notes import Notes
+from service.past import Past
 from service.recent import Recent
 from service.sessions import Sessions
 from service.settings import Settings
@@ -65,6 +66,7 @@ class Maps:
     def __init__(self, sessions: Sessions, settings: Settings) -> None:
         """Begin without bodies in memory."""
         self._sessions = sessions
+        self._past = Past(sessions.read_here, settings)
         self._bodies: Recent[tuple[str, str], Body] = Recent(
             settings.cached_bodies_max, settings.cached_bytes_max, lambda body: len(body.content)
         )
@@ -119,9 +121,7 @@ class Maps:
         """Return the answer to a sentence; in the thread that it takes, it may read older maps."""
         moment = await self.moment(session_id, None)
 
-        def history(seq: int) -> MapState:
-            return self._sessions.read_here(partial(state_at, hot=moment.hot, seq=seq))
-
+        history = partial(self._past.state_at, moment.hot)
         atlas = moment.atlas(moment.hot.state)
         return await asyncio.to_thread(answer, atlas, text, history, options)
 
@@ -139,4 +139,4 @@ class Maps:
         """Return the map at a moment."""
         if moment.seq == moment.hot.seq:
             return moment.hot.state
-        return await self._sessions.read(partial(state_at, hot=moment.hot, seq=moment.seq))
+        return await asyncio.to_thread(self._past.state_at, moment.hot, moment.seq)

@@ -88,7 +88,7 @@ def record(
         request.input, computed.answer,
     )  # fmt: skip
     store.add_step(connection, hot.row.number, logged)
-    store.save_changes(connection, hot.row.number, hot.state, after)
+    store.save_changes(connection, hot.row, hot.state, after)
     return Recorded()
 
 

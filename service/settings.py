@@ -41,6 +41,12 @@ class Settings(BaseSettings):
     cached_bytes_max: int = Field(default=2**26, ge=0)
     """What they may take together."""
 
+    past_maps_max: int = Field(default=1_024, ge=1)
+    """How many earlier maps stay in memory."""
+
+    past_bytes_max: int = Field(default=2**26, ge=0)
+    """What they may take together, if none had anything in common with another."""
+
     queue_max: int = Field(default=1_000, ge=1)
     """How many steps may wait; the next one is asked to come again."""
 

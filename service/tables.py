@@ -69,6 +69,7 @@ sessions = Table(
     Column("engine", Text, nullable=False),  # version of the code that began the map
     Column("version", Integer, nullable=False),  # seq of the last step
     Column("revision", Integer, nullable=False, server_default="0"),  # number of changes
+    Column("checkpoint_every", Integer, nullable=False, server_default="64"),  # steps
     CheckConstraint("version >= 0", name="version"),
     CheckConstraint("revision >= 0", name="revision"),
     Index("ix_sessions_owner_number", "owner", "number"),

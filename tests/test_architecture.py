@@ -41,7 +41,7 @@ PURE = {
 IMPURE_NAMES = {"breakpoint", "eval", "exec", "input", "open", "print", "random", "seed"}
 
 SPEAK_SQL = {"database", "keys", "statements", "store", "tables", "transactions", "writer"}
-HAND_ON = {"history", "hot", "key_desk", "recording", "sessions"}
+HAND_ON = {"history", "hot", "key_desk", "past", "recording", "sessions"}
 """They name the type `Connection`, and hand what they get to those who speak SQL."""
 
 NAME_DATABASE_ERRORS = {"problems"}

@@ -20,12 +20,7 @@ from service.store.log import (
     list_steps,
     page_of_steps,
 )
-from service.store.maps import (
-    CHECKPOINT_EVERY,
-    load_checkpoint,
-    load_state,
-    save_changes,
-)
+from service.store.maps import load_checkpoint, load_state, save_changes
 from service.store.progress import (
     Moment,
     Progress,
@@ -37,6 +32,7 @@ from service.store.progress import (
     trail_after,
 )
 from service.store.sessions import (
+    CHECKPOINT_EVERY,
     NewSession,
     SessionHead,
     SessionRow,

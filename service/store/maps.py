@@ -25,9 +25,6 @@ from service.store.zones import (
     save_zones,
 )
 
-CHECKPOINT_EVERY = 64
-"""Steps between checkpoints: an earlier map is at most 63 replayed steps away (some 0.2 s)."""
-
 
 def load_state(connection: Connection, row: SessionRow) -> MapState:
     """Return the current map of a session."""
@@ -40,9 +37,9 @@ def load_state(connection: Connection, row: SessionRow) -> MapState:
     return MapState(seq, metric, load_graph(connection, session), *_robot(connection, session, seq))
 
 
-def load_checkpoint(connection: Connection, session: int, seq: int) -> MapState:
+def load_checkpoint(connection: Connection, row: SessionRow, seq: int) -> MapState:
     """Return the map of a session at the last checkpoint up to step `seq`."""
-    checkpoint = seq - seq % CHECKPOINT_EVERY
+    session, checkpoint = row.number, seq - seq % row.checkpoint_every
     metric = MetricMap(
         load_zones_at(connection, session, checkpoint),
         load_doorways_at(connection, session, checkpoint),
@@ -53,14 +50,15 @@ def load_checkpoint(connection: Connection, session: int, seq: int) -> MapState:
 
 
 def save_changes(
-    connection: Connection, session: int, before: MapState, after: MapState
+    connection: Connection, row: SessionRow, before: MapState, after: MapState
 ) -> None:  # fmt: skip
     """Write the zones, passages and doorways in which one map differs from the one before it."""
+    session = row.number
     save_zones(connection, session, before.metric, after.metric, after.seq)
     save_passages(connection, session, before.graph, after.graph)
     save_doorways(connection, session, before.metric.doorways, after.metric.doorways, after.seq)
-    if after.seq % CHECKPOINT_EVERY == 0:
-        since = after.seq - CHECKPOINT_EVERY
+    if after.seq % row.checkpoint_every == 0:
+        since = after.seq - row.checkpoint_every
         add_zone_versions(connection, session, after.seq, after.metric, since)
         add_doorway_versions(connection, session, after.seq, after.metric.doorways, since)
 

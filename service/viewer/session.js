@@ -134,14 +134,14 @@ export class Session {
   /** @param {any} step */
   stepped(step) {
     const { poses } = this.state;
-    if (poses[step.seq - 1]) return; // it was told already
+    if (step.seq <= this.state.seq) return; // it was told already
     poses[step.seq - 1] = [step.pose.x, step.pose.y, step.pose.theta];
-    const changes = step.events.length > 0 ? [...this.state.changes, step] : this.state.changes;
+    const isNews = step.events.length > 0 && !this.state.changes.some((one) => one.seq === step.seq);
+    const changes = isNews ? [...this.state.changes, step] : this.state.changes;
     const { selected } = this.state;
     const merge = step.events.find((/** @type {any} */ one) => one.type === "merge" && one.zone_id === selected?.id);
     if (merge) this.store.set({ selected: { kind: "zone", id: merge.into } });
-    this.store.set({ seq: Math.max(step.seq, this.state.seq), poses: poses.slice(), changes });
-    if (this.state.at === null) this.store.set({ exact: this.state.moment.seq >= this.state.seq });
+    this.store.set({ seq: step.seq, poses: poses.slice(), changes, ...(this.state.at === null ? { exact: false } : {}) });
     if (this.state.at === null || step.events.length > 0) void this.refresh();
   }
 

@@ -10,7 +10,7 @@ from tests.service.twin import paper_steps, paper_world
 
 ROW = SessionRow(
     number=1, id="s", name="s", created_at="", version=0, owner=None, world=None, sensor="",
-    mapping="", engine="", revision=0,
+    mapping="", engine="", revision=0, checkpoint_every=32,
 )  # fmt: skip
 
 

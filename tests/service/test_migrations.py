@@ -30,6 +30,11 @@ WORLD = ROOT / "examples" / "paper" / "world.json"
 
 pytestmark = pytest.mark.databases("sqlite", "postgres")
 
+OLD_SESSION = (
+    "INSERT INTO sessions (id, name, created_at, sensor, mapping, engine, version)"
+    " VALUES ('a', '', '', '', '', '', 0)"
+)
+
 SESSION = {
     "id": "a", "name": "", "created_at": "", "sensor": "", "mapping": "", "engine": "",
     "version": 0,
@@ -192,7 +197,7 @@ def test_alembic_at_the_command_line_finds_its_settings(url: str) -> None:
         check=False,
     )
     assert done.returncode == 0, done.stderr
-    assert "0006 (head)" in done.stdout
+    assert "0007 (head)" in done.stdout
 
 
 def test_worlds_of_an_older_database_stay(database: Database) -> None:
@@ -209,6 +214,17 @@ def test_worlds_of_an_older_database_stay(database: Database) -> None:
             command.downgrade(migration_config(connection), "0004")
             kept = connection.execute(text("SELECT id, world FROM sessions ORDER BY id")).all()
             assert [tuple(row) for row in kept] == [("a", None), ("b", "w")]
+
+
+def test_sessions_of_an_older_database_keep_their_checkpoints(database: Database) -> None:
+    with database.writer.begin() as connection:
+        command.downgrade(migration_config(connection), "0006")
+        connection.execute(text(OLD_SESSION))
+    migrate(database.writer)
+    with database.writer.begin() as connection:
+        row = store.find_session(connection, "a")
+        assert row is not None
+        assert row.checkpoint_every == 64
 
 
 def test_passages_of_an_older_database_stay(database: Database) -> None:

@@ -40,9 +40,9 @@ from tests.strategies import Scene, all_options, options, scenes
 
 pytestmark = pytest.mark.databases("sqlite", "postgres")
 
-STEPS = 140  # beyond two checkpoints
+STEPS = 140  # beyond four checkpoints
 
-CHECKPOINTS = "service.store.maps.CHECKPOINT_EVERY"
+CHECKPOINTS = "service.store.sessions.CHECKPOINT_EVERY"
 
 
 @pytest.fixture(scope="module")
@@ -98,7 +98,7 @@ def saved(
     for before, after in pairwise(states):
         assert store.advance(connection, row.number, before.seq)
         store.add_step(connection, row.number, logged_as(after))
-        store.save_changes(connection, row.number, before, after)
+        store.save_changes(connection, row, before, after)
     row = store.find_session(connection, session_id)
     assert row is not None
     return row
@@ -162,26 +162,35 @@ def test_reduced_borders_come_back_with_their_cores_and_go_on_from_there(
     assert_same(twin.states[-1], states[-1])
 
 
-@pytest.mark.parametrize("seq", [1, 7, 63, 64, 65, 66, 128, 139, 140])
+@pytest.mark.parametrize("seq", [1, 7, 31, 32, 33, 64, 65, 128, 139, 140])
 def test_a_map_comes_back_as_it_was(connection: Connection, seq: int) -> None:
     row = saved(connection, long_run()[: seq + 1])
     assert_same(store.load_state(connection, row), long_run()[seq])
 
 
-@pytest.mark.parametrize("seq", [0, 1, 63, 64, 65, 127, 128, 129, 140])
+@pytest.mark.parametrize("seq", [0, 1, 31, 32, 33, 63, 64, 127, 128, 129, 140])
 def test_the_checkpoint_before_a_step(connection: Connection, seq: int) -> None:
     row = saved(connection, long_run())
-    found = store.load_checkpoint(connection, row.number, seq)
+    found = store.load_checkpoint(connection, row, seq)
     assert found.seq == seq - seq % CHECKPOINT_EVERY
+    assert_same(found, long_run()[found.seq])
+
+
+@pytest.mark.parametrize("seq", [31, 32, 63, 64, 100, 128, 140])
+def test_a_session_keeps_the_distance_of_its_checkpoints(connection: Connection, seq: int) -> None:
+    with patch(CHECKPOINTS, 64):
+        row = saved(connection, long_run())
+    found = store.load_checkpoint(connection, row, seq)
+    assert found.seq == seq - seq % 64
     assert_same(found, long_run()[found.seq])
 
 
 def test_a_checkpoint_holds_only_what_changed(connection: Connection) -> None:
     row = saved(connection, long_run())
-    for checkpoint in (64, 128):
+    for checkpoint in (32, 64, 96, 128):
         mine = (zone_versions.c.session == row.number, zone_versions.c.checkpoint == checkpoint)
         kept = set(connection.scalars(select(zone_versions.c.zone_id).where(*mine)))
-        older, newer = long_run()[checkpoint - 64].metric, long_run()[checkpoint].metric
+        older, newer = long_run()[checkpoint - 32].metric, long_run()[checkpoint].metric
         assert kept == {zone.zone_id for zone in newer.changed_since(older)}
 
 
@@ -211,17 +220,17 @@ def test_any_map_comes_back_as_it_was_at_checkpoints(
         row = saved(connection, states)
         assert_same(store.load_state(connection, row), states[-1])
         for state in states:
-            found = store.load_checkpoint(connection, row.number, state.seq)
+            found = store.load_checkpoint(connection, row, state.seq)
             assert_same(found, states[state.seq - state.seq % 2])
         connection.rollback()
 
 
 def test_sessions_do_not_mix(connection: Connection) -> None:
     one = saved(connection, long_run()[:70], "one")
-    two = saved(connection, long_run()[:40], "two")
+    two = saved(connection, long_run()[:30], "two")
     assert_same(store.load_state(connection, one), long_run()[69])
-    assert_same(store.load_state(connection, two), long_run()[39])
-    assert_same(store.load_checkpoint(connection, two.number, 39), MapState())
+    assert_same(store.load_state(connection, two), long_run()[29])
+    assert_same(store.load_checkpoint(connection, two, 29), MapState())
 
 
 def counts(connection: Connection) -> dict[str, int]:
@@ -444,14 +453,14 @@ def test_a_zone_with_passages_takes_them_along(connection: Connection) -> None:
 
 
 def test_a_step_writes_only_what_it_changed(connection: Connection) -> None:
-    """Standing still for a thousand steps, a map does not grow."""
-    before = long_run()[30]
-    row = saved(connection, long_run()[:31])
+    """Standing still for a hundred steps, a map does not grow."""
+    before = long_run()[32]
+    row = saved(connection, long_run()[:33])
     held = counts(connection)
-    for seq in range(31, 60):
+    for seq in range(33, 133):
         after = replace(before, seq=seq)
         assert store.advance(connection, row.number, before.seq)
-        store.save_changes(connection, row.number, before, after)
+        store.save_changes(connection, row, before, after)
         before = after
     assert counts(connection) == held
 

@@ -1,0 +1,131 @@
+"""Earlier maps: those of the run itself, wherever the replay that leads to them begins."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator
+from concurrent.futures import ThreadPoolExecutor
+from unittest.mock import patch
+
+import orjson
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+from sqlalchemy import Connection
+
+from semtopo.codec import to_json
+from semtopo.mapper import MapState
+from service import store
+from service.database import Database, open_database
+from service.history import look_again
+from service.hot import HotSession, load
+from service.past import KEPT_EVERY, Past
+from service.settings import Settings
+from service.store import CHECKPOINT_EVERY, LoggedStep, NewSession
+from tests.service.test_store import assert_same
+from tests.service.twin import Twin, paper_steps, paper_world
+
+SESSION = {"world": paper_world(), "sensor": {"beams": 36}}
+
+TWIN = Twin.driven(SESSION, paper_steps())
+
+LAST = TWIN.seq
+
+
+@pytest.fixture(scope="module")
+def database(new_database: Callable[[], str]) -> Iterator[Database]:
+    """Give a database with the paper's run."""
+    opened = open_database(new_database())
+    with opened.writer.begin() as connection:
+        drive(connection)
+    yield opened
+    opened.close()
+
+
+def drive(connection: Connection) -> None:
+    """Store the run, with what came in for each step."""
+    world, sensor = (orjson.dumps(SESSION[name]).decode() for name in ("world", "sensor"))
+    store.add_session(connection, NewSession("one", "", "2026", world, sensor, "{}", "0"))
+    row = store.find_session(connection, "one")
+    assert row is not None
+    for document, before, after in zip(
+        paper_steps(), TWIN.states, TWIN.states[1:], strict=False
+    ):  # fmt: skip
+        assert store.advance(connection, row.number, before.seq)
+        answer = to_json({"here": after.here, "zone_id": after.here}).decode()
+        given_in = orjson.dumps(document).decode()
+        store.add_step(
+            connection, row.number, LoggedStep(after.seq, "2026", None, b"", given_in, answer)
+        )
+        store.save_changes(connection, row, before, after)
+
+
+@pytest.fixture(scope="module")
+def hot(database: Database) -> HotSession:
+    """Give the session in memory."""
+    with database.reader.begin() as connection:
+        return load(connection, "one", None)
+
+
+class Counted(Past):
+    """An earlier maps' keeper that counts how often it reads."""
+
+    def __init__(self, database: Database, past_maps_max: int = 1_024) -> None:
+        """Begin with nothing in memory."""
+        self.reads = 0
+
+        def read(query: Callable[[Connection], MapState]) -> MapState:
+            self.reads += 1
+            with database.reader.begin() as connection:
+                return query(connection)
+
+        super().__init__(read, Settings(past_maps_max=past_maps_max))
+
+
+def test_every_earlier_map_is_that_of_the_run(database: Database, hot: HotSession) -> None:
+    past = Counted(database)
+    for seq in range(LAST + 1):
+        assert_same(past.state_at(hot, seq), TWIN.states[seq])
+
+
+@settings(max_examples=25, deadline=None)
+@given(asked=st.lists(st.integers(0, LAST), min_size=2, max_size=8), kept=st.integers(1, 5))
+def test_in_any_order_and_with_little_memory(
+    database: Database, hot: HotSession, asked: list[int], kept: int
+) -> None:
+    past = Counted(database, past_maps_max=kept)
+    for seq in [*asked, asked[0]]:
+        assert_same(past.state_at(hot, seq), TWIN.states[seq])
+
+
+def test_a_map_that_was_asked_for_is_at_hand(database: Database, hot: HotSession) -> None:
+    past = Counted(database)
+    first = past.state_at(hot, 61)
+    assert past.reads == 1
+    assert past.state_at(hot, 61) is first
+    assert past.reads == 1
+
+
+def test_neighbours_are_a_few_steps_away(database: Database, hot: HotSession) -> None:
+    """After one replay to the end of a stretch, each map is less than `KEPT_EVERY` steps away."""
+    past = Counted(database)
+    past.state_at(hot, 2 * CHECKPOINT_EVERY - 1)
+    for seq in range(2 * CHECKPOINT_EVERY - 1, CHECKPOINT_EVERY - 1, -1):
+        with patch("service.past.look_again", wraps=look_again) as looked:
+            assert_same(past.state_at(hot, seq), TWIN.states[seq])
+        assert looked.call_count < KEPT_EVERY
+
+
+def test_who_asks_for_the_same_map_at_once_gets_one_replay(
+    database: Database, hot: HotSession
+) -> None:
+    past = Counted(database)
+    with ThreadPoolExecutor(8) as threads:
+        found = list(threads.map(lambda seq: past.state_at(hot, seq), [63] * 8))
+    assert past.reads == 1
+    assert all(state is found[0] for state in found)
+    assert_same(found[0], TWIN.states[63])
+
+
+def test_a_map_that_became_full_has_a_past(database: Database, hot: HotSession) -> None:
+    with patch("service.hot.MAP_BYTES_MAX", 1):
+        assert_same(Counted(database).state_at(hot, 40), TWIN.states[40])
