@@ -1,8 +1,11 @@
-"""Whether a step grows with the world: floors of square rooms, with a door between any two."""
+"""Whether a step grows with the world, while what lies around the robot stays the same.
+
+Floors of corridors that do not see each other: in each five square rooms in a row, with doors. The
+robot walks in the corridor in the middle, so that it makes the same map in every world.
+"""
 
 from __future__ import annotations
 
-import math
 import time
 from collections.abc import Iterator
 
@@ -15,17 +18,18 @@ from semtopo.types import Point, Sensing
 SIZES = (10, 100, 1_000, 10_000, 100_000)
 ROOM, WALL = 3.0, 0.25
 PITCH = ROOM + WALL
+ACROSS = 5
+BETWEEN_ROWS = 6.0  # m, of which 3 m are solid: more than the sensor's range of 2 m
 STEPS = 200
 ROUNDS = 3
 
 
 def floor(zones: int) -> World:
-    """Return a world of so many zones: rooms in rows, doors between those side by side."""
+    """Return a world of so many zones, ten in each row."""
     made: list[WorldZone] = []
-    across = max(2, round(math.sqrt(zones / 2)))
     for number in range(zones // 2):
-        row, column = divmod(number, across)
-        x, y = column * PITCH, row * PITCH
+        row, column = divmod(number, ACROSS)
+        x, y = column * PITCH, row * BETWEEN_ROWS
         room = WorldZone(f"room {number}", Kind.SPACE, (x, y), (x + ROOM, y + ROOM))
         door = (x + ROOM, y + 1), (x + PITCH, y + 2)
         made += [room, WorldZone("door", Kind.PASSAGE, *door)]
@@ -33,9 +37,9 @@ def floor(zones: int) -> World:
 
 
 def walk(world: World) -> list[Point]:
-    """Return positions from room to room and back, in the middle of the world."""
-    middle = len(world.zones) // 4 * 2
-    x, y = world.zones[middle].low
+    """Return positions from room to room and back, in the row in the middle."""
+    rows = len(world.zones) // (2 * ACROSS)
+    x, y = world.zones[(rows // 2 * ACROSS + ACROSS // 2) * 2].low
     share = np.abs(np.linspace(-1, 1, STEPS))
     return [(float(x + 0.5 + s), float(y + 1.5 + 0.3 * s)) for s in share]
 

@@ -161,6 +161,21 @@ def test_a_wandering_robot_stays_in_free_space() -> None:
 
 
 @pytest.mark.parametrize("sensing", Sensing)
+def test_worlds_of_all_sizes_lead_to_the_same_map(sensing: Sensing) -> None:
+    options = MappingOptions(sensing=sensing)
+    maps = []
+    for zones in (10, 100, 1_000):
+        world = worlds.floor(zones)
+        assert len(world.zones) == zones
+        *_, last = explore(world, Sensor(36), worlds.walk(world), options)
+        maps.append(last.state)
+    areas = [[zone.region.area for zone in it.metric.zones.values()] for it in maps]
+    assert len(areas[0]) == 3
+    assert areas[1:] == [pytest.approx(areas[0])] * 2
+    assert len({len(it.graph.passages) for it in maps}) == 1
+
+
+@pytest.mark.parametrize("sensing", Sensing)
 def test_a_walk_through_a_large_world_is_timed(
     monkeypatch: pytest.MonkeyPatch, sensing: Sensing
 ) -> None:
