@@ -54,6 +54,11 @@ export class Session {
     return changes.length > 0 && graph.seq < changes[changes.length - 1].seq;
   }
 
+  /** @param {import("./moments.js").Moment} moment @returns {boolean} whether it, and the graph, are of the last step */
+  isNewest(moment) {
+    return moment.seq >= this.state.seq && !this.graphIsOld;
+  }
+
   /** The last step that merged zones or joined passages: graphs before it are no part of the newest. */
   get reshaped() {
     const last = this.state.changes.findLast(({ events }) => events.some((/** @type {any} */ one) => one.type === "merge" || one.type === "join"));
@@ -141,7 +146,8 @@ export class Session {
     const { selected } = this.state;
     const merge = step.events.find((/** @type {any} */ one) => one.type === "merge" && one.zone_id === selected?.id);
     if (merge) this.store.set({ selected: { kind: "zone", id: merge.into } });
-    this.store.set({ seq: step.seq, poses: poses.slice(), changes, ...(this.state.at === null ? { exact: false } : {}) });
+    this.store.set({ seq: step.seq, poses: poses.slice(), changes });
+    if (this.state.at === null) this.store.set({ exact: this.isNewest(this.state.moment) });
     if (this.state.at === null || step.events.length > 0) void this.refresh();
   }
 
@@ -168,8 +174,7 @@ export class Session {
     const [moment, graph] = await Promise.all([this.moments.read(""), wanted]);
     if (graph) this.store.set({ graph: graphOf(graph) });
     if (this.graphIsOld) this.dirty = true;
-    const isNewest = moment.seq >= this.state.seq && !this.graphIsOld;
-    if (this.state.at === null) this.store.set({ moment, exact: isNewest });
+    if (this.state.at === null) this.store.set({ moment, exact: this.isNewest(moment) });
   }
 
   /**
@@ -181,7 +186,7 @@ export class Session {
     this.going = null;
     clearTimeout(this.settle);
     if (at === null || at >= this.state.seq) {
-      this.store.set({ at: null });
+      this.store.set({ at: null, exact: this.isNewest(this.state.moment) });
       void this.refresh();
     } else if (!this.recall(at)) {
       this.store.set({ at, moment: { seq: at, zones: this.moments.guess(at, this.state.moment.zones) }, exact: false });

@@ -149,6 +149,45 @@ def read(server: Server, path: str) -> Json:
     return body
 
 
+@pytest.mark.parametrize(
+    ("news", "exact"), [([], True), ([{"type": "edge"}], False)], ids=["quiet", "news"]
+)
+def test_a_map_that_came_before_its_step_is_exact_only_with_its_graph(
+    browser: Browser, server: Server, news: list[Json], *, exact: bool
+) -> None:
+    """The map of step 29 was read before that step was told; its graph is still to come."""
+    with opened_page(browser, home(server)) as page:
+        told = page.evaluate(
+            """async (events) => {
+                const { Session } = await import("/viewer/session.js");
+                const session = new Session("robot");
+                const graph = { ...session.state.graph, seq: 28 };
+                const changes = [{ seq: 28, events: [{ type: "node" }] }];
+                session.store.set({ seq: 28, moment: { seq: 29, zones: [] }, graph, changes });
+                session.refresh = async () => {};
+                session.stepped({ seq: 29, pose: { x: 0, y: 0, theta: 0 }, events });
+                return session.state.exact;
+            }""",
+            news,
+        )
+        assert told is exact
+
+
+def test_who_goes_live_sees_no_earlier_map_as_exact(browser: Browser, server: Server) -> None:
+    with opened_page(browser, home(server)) as page:
+        told = page.evaluate(
+            """async () => {
+                const { Session } = await import("/viewer/session.js");
+                const session = new Session("robot");
+                session.store.set({ seq: 29, at: 5, moment: { seq: 5, zones: [] }, exact: true });
+                session.refresh = async () => {};
+                session.go(null);
+                return session.state.exact;
+            }"""
+        )
+        assert told is False
+
+
 def test_follow_a_robot_that_someone_else_drives(browser: Browser, server: Server) -> None:
     path = driven(server, 4)
     with opened_page(browser, address(server, path)) as page:
