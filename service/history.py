@@ -5,7 +5,7 @@ from __future__ import annotations
 import orjson
 from sqlalchemy import Connection
 
-from semtopo import LabelledRuns, Pose, PoseDocument, Scan, ScanDocument
+from semtopo import Pose, PoseDocument, Scan, ScanDocument
 from service import store
 from service.clock import seconds
 from service.hot import HotSession
@@ -28,13 +28,8 @@ def scan_at(connection: Connection, hot: HotSession, seq: int) -> tuple[Pose, Sc
 
 def look_again(hot: HotSession, logged: store.LoggedStep) -> tuple[Pose, Scan]:
     """Return where the robot was at a step, and what it saw there."""
-    pose, seen = _given(logged)
-    return pose, hot.look(pose, seen, Stopwatch())
-
-
-def _given(logged: store.LoggedStep) -> tuple[Pose, LabelledRuns | None]:
-    """Return what came in with a step."""
     given = orjson.loads(logged.input)
     pose = PoseDocument.model_validate(given["pose"]).value()
     scan = given.get("scan")
-    return pose, None if scan is None else ScanDocument.model_validate(scan).value()
+    seen = None if scan is None else ScanDocument.model_validate(scan).value()
+    return pose, hot.look(pose, seen, Stopwatch())

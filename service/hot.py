@@ -113,7 +113,7 @@ class HotSession:
         keys += list(after.doorways.former)[len(before.doorways.former) :]
         old_zones = [before.zones[zone_id] for zone_id in zone_ids if zone_id in before.zones]
         old_doors = [before.doorways[key] for key in keys if key in before.doorways]
-        grown = _bytes_of(zones, doors) - _bytes_of(old_zones, old_doors)
+        grown = _parts_bytes(zones, doors) - _parts_bytes(old_zones, old_doors)
         return replace(self, state=state, step_ms=step_ms, map_bytes=self.map_bytes + grown)
 
     def take(self, pose: Pose, seen: LabelledRuns | None, watch: Stopwatch) -> Step:
@@ -191,10 +191,10 @@ def load(connection: Connection, session_id: str, known: HotSession | None) -> H
 
 def bytes_of(state: MapState) -> int:
     """Return about what a map takes in memory."""
-    return _bytes_of(state.metric.zones.values(), state.metric.doorways.values())
+    return _parts_bytes(state.metric.zones.values(), state.metric.doorways.values())
 
 
-def _bytes_of(zones: Iterable[MappedZone], doorways: Iterable[Doorway]) -> int:
+def _parts_bytes(zones: Iterable[MappedZone], doorways: Iterable[Doorway]) -> int:
     """Return about what zones and doorways of a map take in memory."""
     return sum(
         MAP_ZONE_BYTES + POINT_BYTES * (count_vertices(zone.region) + len(zone.border.xy))

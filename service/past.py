@@ -5,13 +5,14 @@ from __future__ import annotations
 from collections.abc import Callable
 from functools import partial
 from threading import Lock
-from typing import TypeVar
+from typing import TypeAlias
 from weakref import WeakValueDictionary
 
 from sqlalchemy import Connection
 
 from semtopo import MapState, step
 from service import store
+from service.errors import UnknownSessionError
 from service.history import look_again
 from service.hot import HotSession, bytes_of
 from service.recent import Recent
@@ -20,16 +21,14 @@ from service.settings import Settings
 KEPT_EVERY = 8
 """Steps between maps that a replay leaves in memory: those beside it are then some ms away."""
 
-Result = TypeVar("Result")
-
-Read = Callable[[Callable[[Connection], Result]], Result]
+Read: TypeAlias = Callable[[Callable[[Connection], MapState]], MapState]
 """Runs a query in the thread that asks, in a transaction that sees one state."""
 
 
 class Past:
     """Earlier maps of all sessions, a few of them in memory. For any thread."""
 
-    def __init__(self, read: Read[MapState], settings: Settings) -> None:
+    def __init__(self, read: Read, settings: Settings) -> None:
         """Begin with nothing in memory."""
         self._read = read
         self._kept: Recent[tuple[int, int], MapState] = Recent(
@@ -39,7 +38,13 @@ class Past:
         self._turns: WeakValueDictionary[int, Lock] = WeakValueDictionary()
 
     def state_at(self, hot: HotSession, seq: int) -> MapState:
-        """Return the map of a session as of step `seq`, which it has taken; 0 is the empty map."""
+        """Return the map of a session as of step `seq`, which it has taken; 0 is the empty map.
+
+        Raises
+        ------
+        UnknownSessionError
+            The session was deleted meanwhile.
+        """
         with self._turn(hot):  # whoever wants the same map waits for it, and then has it
             known = self._nearest(hot, seq)
             if known is not None and known.seq == seq:
@@ -50,6 +55,8 @@ class Past:
         self, connection: Connection, hot: HotSession, seq: int, known: MapState | None
     ) -> MapState:
         """Return an earlier map, from a known one or else from the checkpoint before it."""
+        if store.find_version(connection, hot.row.id) is None:
+            raise UnknownSessionError("there is no session of that id")
         state = store.load_checkpoint(connection, hot.row, seq) if known is None else known
         for logged in store.list_steps(connection, hot.row.number, state.seq, seq - state.seq):
             _, scan = look_again(hot, logged)

@@ -6,7 +6,6 @@ from collections.abc import Callable, Iterator
 from concurrent.futures import ThreadPoolExecutor
 from unittest.mock import patch
 
-import orjson
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
@@ -16,47 +15,27 @@ from semtopo.codec import to_json
 from semtopo.mapper import MapState
 from service import store
 from service.database import Database, open_database
+from service.errors import UnknownSessionError
 from service.history import look_again
 from service.hot import HotSession, load
 from service.past import KEPT_EVERY, Past
 from service.settings import Settings
-from service.store import CHECKPOINT_EVERY, LoggedStep, NewSession
-from tests.service.test_store import assert_same
-from tests.service.twin import Twin, paper_steps, paper_world
+from service.store import CHECKPOINT_EVERY
+from tests.service.test_store import STEPS, assert_same, long_run, saved
+from tests.service.twin import paper_world
 
-SESSION = {"world": paper_world(), "sensor": {"beams": 36}}
-
-TWIN = Twin.driven(SESSION, paper_steps())
-
-LAST = TWIN.seq
+pytestmark = pytest.mark.databases("sqlite", "postgres")
 
 
 @pytest.fixture(scope="module")
 def database(new_database: Callable[[], str]) -> Iterator[Database]:
-    """Give a database with the paper's run."""
+    """Give a database with the paper's run, there and part of the way back."""
     opened = open_database(new_database())
+    world, sensor = to_json(paper_world()).decode(), to_json({"beams": 36}).decode()
     with opened.writer.begin() as connection:
-        drive(connection)
+        saved(connection, long_run(), world=world, sensor=sensor)
     yield opened
     opened.close()
-
-
-def drive(connection: Connection) -> None:
-    """Store the run, with what came in for each step."""
-    world, sensor = (orjson.dumps(SESSION[name]).decode() for name in ("world", "sensor"))
-    store.add_session(connection, NewSession("one", "", "2026", world, sensor, "{}", "0"))
-    row = store.find_session(connection, "one")
-    assert row is not None
-    for document, before, after in zip(
-        paper_steps(), TWIN.states, TWIN.states[1:], strict=False
-    ):  # fmt: skip
-        assert store.advance(connection, row.number, before.seq)
-        answer = to_json({"here": after.here, "zone_id": after.here}).decode()
-        given_in = orjson.dumps(document).decode()
-        store.add_step(
-            connection, row.number, LoggedStep(after.seq, "2026", None, b"", given_in, answer)
-        )
-        store.save_changes(connection, row, before, after)
 
 
 @pytest.fixture(scope="module")
@@ -83,18 +62,18 @@ class Counted(Past):
 
 def test_every_earlier_map_is_that_of_the_run(database: Database, hot: HotSession) -> None:
     past = Counted(database)
-    for seq in range(LAST + 1):
-        assert_same(past.state_at(hot, seq), TWIN.states[seq])
+    for seq in range(STEPS + 1):
+        assert_same(past.state_at(hot, seq), long_run()[seq])
 
 
 @settings(max_examples=25, deadline=None)
-@given(asked=st.lists(st.integers(0, LAST), min_size=2, max_size=8), kept=st.integers(1, 5))
+@given(asked=st.lists(st.integers(0, STEPS), min_size=2, max_size=8), kept=st.integers(1, 5))
 def test_in_any_order_and_with_little_memory(
     database: Database, hot: HotSession, asked: list[int], kept: int
 ) -> None:
     past = Counted(database, past_maps_max=kept)
     for seq in [*asked, asked[0]]:
-        assert_same(past.state_at(hot, seq), TWIN.states[seq])
+        assert_same(past.state_at(hot, seq), long_run()[seq])
 
 
 def test_a_map_that_was_asked_for_is_at_hand(database: Database, hot: HotSession) -> None:
@@ -111,7 +90,7 @@ def test_neighbours_are_a_few_steps_away(database: Database, hot: HotSession) ->
     past.state_at(hot, 2 * CHECKPOINT_EVERY - 1)
     for seq in range(2 * CHECKPOINT_EVERY - 1, CHECKPOINT_EVERY - 1, -1):
         with patch("service.past.look_again", wraps=look_again) as looked:
-            assert_same(past.state_at(hot, seq), TWIN.states[seq])
+            assert_same(past.state_at(hot, seq), long_run()[seq])
         assert looked.call_count < KEPT_EVERY
 
 
@@ -123,9 +102,24 @@ def test_who_asks_for_the_same_map_at_once_gets_one_replay(
         found = list(threads.map(lambda seq: past.state_at(hot, seq), [63] * 8))
     assert past.reads == 1
     assert all(state is found[0] for state in found)
-    assert_same(found[0], TWIN.states[63])
+    assert_same(found[0], long_run()[63])
 
 
 def test_a_map_that_became_full_has_a_past(database: Database, hot: HotSession) -> None:
     with patch("service.hot.MAP_BYTES_MAX", 1):
-        assert_same(Counted(database).state_at(hot, 40), TWIN.states[40])
+        assert_same(Counted(database).state_at(hot, 40), long_run()[40])
+
+
+@pytest.mark.parametrize("seq", [32, 40])
+def test_a_session_that_was_deleted_meanwhile_is_unknown(
+    database: Database, hot: HotSession, seq: int
+) -> None:
+    with database.writer.connect() as connection:
+
+        def read(query: Callable[[Connection], MapState]) -> MapState:
+            return query(connection)
+
+        store.delete_session(connection, "one")
+        with pytest.raises(UnknownSessionError):
+            Past(read, Settings()).state_at(hot, seq)
+        connection.rollback()

@@ -88,11 +88,11 @@ def logged_as(after: MapState) -> LoggedStep:
 
 
 def saved(
-    connection: Connection, states: tuple[MapState, ...], session_id: str = "one"
+    connection: Connection, states: tuple[MapState, ...], session_id: str = "one", **about: str
 ) -> SessionRow:
     """Store a run step by step, as the service does, and return the session."""
     key = store.CreationKey(session_id, b"\x01" * 32)
-    assert store.begin_session(connection, new(session_id), key) == session_id
+    assert store.begin_session(connection, new(session_id, **about), key) == session_id
     row = store.find_session(connection, session_id)
     assert row is not None
     for before, after in pairwise(states):
