@@ -1,7 +1,7 @@
 """Whether a step grows with the world, while what lies around the robot stays the same.
 
-Floors of corridors that do not see each other: in each five square rooms in a row, with doors. The
-robot walks in the corridor in the middle, so that it makes the same map in every world.
+Each row of five square rooms with doors is out of sight of the others. The robot walks in the row
+in the middle, so that it makes the same map in every world.
 """
 
 from __future__ import annotations
@@ -19,17 +19,17 @@ SIZES = (10, 100, 1_000, 10_000, 100_000)
 ROOM, WALL = 3.0, 0.25
 PITCH = ROOM + WALL
 ACROSS = 5
-BETWEEN_ROWS = 6.0  # m, of which 3 m are solid: more than the sensor's range of 2 m
+ROW_PITCH = 6.0  # m, of which 3 m are solid: more than the range of the sensor, 2 m
 STEPS = 200
 ROUNDS = 3
 
 
 def floor(zones: int) -> World:
-    """Return a world of so many zones, ten in each row."""
+    """Return a world of so many zones, a multiple of ten: five rooms and doors in each row."""
     made: list[WorldZone] = []
     for number in range(zones // 2):
         row, column = divmod(number, ACROSS)
-        x, y = column * PITCH, row * BETWEEN_ROWS
+        x, y = column * PITCH, row * ROW_PITCH
         room = WorldZone(f"room {number}", Kind.SPACE, (x, y), (x + ROOM, y + ROOM))
         door = (x + ROOM, y + 1), (x + PITCH, y + 2)
         made += [room, WorldZone("door", Kind.PASSAGE, *door)]

@@ -11,8 +11,8 @@ from service.statements import Statement, find, run
 from service.tables import sessions, worlds
 
 CHECKPOINT_EVERY = 32
-"""Steps between checkpoints: replaying 31 steps takes some 25 ms in the paper's world, and with
-half as many, earlier maps would take twice as much on disk."""
+"""Steps between checkpoints: replaying 31 steps takes some 25 ms in the paper's world. With twice
+as many, earlier maps take two thirds on disk."""
 
 _ADVANCE = Statement(
     update(sessions)
