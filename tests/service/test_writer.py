@@ -96,6 +96,7 @@ def test_what_has_gathered_is_committed_at_once(
     results = asyncio.run(behind(writer, [add(number) for number in range(20)]))
     assert results == [10 * number for number in range(20)]
     assert numbers(database) == list(range(20))
+    writer.close()  # it tells of a group after it has answered
     assert groups == [1, 20]  # the one that held the others up, and the others
     assert writer.waiting == 0
 
@@ -104,6 +105,7 @@ def test_a_group_has_a_greatest_size(
     database: Database, writer: GroupWriter, groups: list[int]
 ) -> None:
     asyncio.run(behind(writer, [add(number) for number in range(GROUP_MAX + 1)]))
+    writer.close()
     assert groups == [1, GROUP_MAX, 1]
     assert len(numbers(database)) == GROUP_MAX + 1
 
