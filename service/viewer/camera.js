@@ -75,7 +75,7 @@ export class Camera {
 
   /** How much larger lines and letters are on a wall than on a desk. */
   get size() {
-    return this.drawnAs ?? Math.min(Math.max(Math.min(this.width, this.height) / 700, 1), 1.7);
+    return this.drawnAs ?? Math.min(Math.max(Math.sqrt(this.width * this.height) / 760, 1), 1.7);
   }
 
   /** A pixel in m, or somewhat more on a wall. */

@@ -97,3 +97,19 @@ export function pole(rings, box) {
   }
   return best;
 }
+
+/** @param {Point[]} line @param {number} step in m @param {number} most @returns {Point[]} points on it, so far apart or further */
+export function pointsAlong(line, step, most) {
+  const length = line.reduce((sum, [x, y], n) => sum + (n > 0 ? Math.hypot(x - line[n - 1][0], y - line[n - 1][1]) : 0), 0);
+  const apart = Math.max(step, length / most);
+  /** @type {Point[]} */
+  const found = [];
+  let left = 0; // to go to the next point
+  for (let n = 1; n < line.length; n += 1) {
+    const [[ax, ay], [bx, by]] = [line[n - 1], line[n]];
+    const side = Math.hypot(bx - ax, by - ay);
+    for (; left < side; left += apart) found.push([ax + ((bx - ax) * left) / side, ay + ((by - ay) * left) / side]);
+    left -= side;
+  }
+  return found;
+}

@@ -214,3 +214,13 @@ export function drawRing(context, camera, [x, y], stroke) {
   context.strokeStyle = stroke;
   context.stroke();
 }
+
+/** @param {Context} context @param {Camera} camera @param {import("./ask.js").Answer} answer */
+export function drawAnswer(context, camera, answer) {
+  for (const line of answer.lines) drawLine(context, camera, line, colour("route"), 3.5);
+  for (const point of answer.points) drawPoint(context, camera, point, { fill: colour("route"), large: true });
+  context.setLineDash([8 * camera.pixel, 6 * camera.pixel]);
+  for (const line of answer.missing) drawLine(context, camera, line, colour("bad"), 2.5);
+  context.setLineDash([]);
+  for (const point of answer.frontiers) drawRing(context, camera, point, colour("frontier"));
+}

@@ -1,5 +1,6 @@
 /** Put the page together: the list at `#/`, a session at `#/s/ID`. */
 
+import { Problem } from "./api.js";
 import { AskBox } from "./ask.js";
 import { showDetails } from "./details.js";
 import { byId, complain, el } from "./dom.js";
@@ -75,7 +76,9 @@ async function openSession(id, options) {
     graph.fit();
     if (options.includes("tour") && session.state.seq === 0) offerTour(session, driver);
   } catch (error) {
+    session.store.set({ link: "gone" });
     complain(error);
+    if (error instanceof Problem && error.code === "unknown_session") location.replace("#/");
   }
 }
 

@@ -2,10 +2,11 @@
 
 import { Camera } from "./camera.js";
 import { Stage } from "./canvas.js";
-import { byId, el } from "./dom.js";
-import { growBox, inside, isEmpty, meet, noBox } from "./geometry.js";
+import { byId } from "./dom.js";
+import { growBox, inside, isEmpty, meet, noBox, pointsAlong } from "./geometry.js";
 import { handle } from "./gestures.js";
 import { drawLabels } from "./labels.js";
+import { layerMenu } from "./layermenu.js";
 import * as layers from "./layers.js";
 import { colour, shade } from "./palette.js";
 import { Walls } from "./walls.js";
@@ -13,8 +14,15 @@ import { Walls } from "./walls.js";
 const LEGEND = 28; // pixels
 const HIT_PIXELS = 10;
 const BEHIND_MAX = 3; // steps; older beams are none of where the robot is
+const MARKED = 18; // pixels from mark to mark on a route
+const MARKS_MAX = 200;
+const WIDE = [1.4, 1.7]; // times as wide as high: less has the graph beside it on a wall screen, more below it
 const PLAIN_MAX = 250; // so many have no passage points where they are small
-const LAYERS = { walls: "Walls, passages, frontiers", beams: "Beams", trail: "Trail", names: "Names", world: "The simulated world" };
+const HINTS = {
+  driving: "Click where the robot should begin.",
+  world: "Nothing is explored yet. Press Drive, then click where the robot should begin.",
+  robot: "Nothing is explored yet. The map begins with the first scan that the robot sends.",
+};
 
 export class MapView {
   /** @param {import("./session.js").Session} session @param {(x: number, y: number) => void} driveTo @param {(event: KeyboardEvent) => boolean} driveKey */
@@ -26,8 +34,6 @@ export class MapView {
     this.box = noBox();
     this.walked = 0;
     this.driveTo = driveTo;
-    /** @type {Record<keyof typeof LAYERS, boolean>} */
-    this.shown = { walls: true, beams: true, trail: true, names: true, world: false };
     const canvas = (this.canvas = byId("map").cloneNode());
     byId("map").replaceWith(canvas); // a canvas of its own for each session
     this.stage = new Stage(canvas, this.camera,
@@ -44,9 +50,10 @@ export class MapView {
     byId("map-in").onclick = () => { this.camera.zoom(1.4); this.moved(); };
     byId("map-out").onclick = () => { this.camera.zoom(1 / 1.4); this.moved(); };
     byId("map-fit").onclick = () => this.fit();
-    this.buildMenu();
+    this.shown = layerMenu(() => this.stage.invalidate());
     session.store.on(["moment", "exact", "poses", "seq", "at", "world", "driving", "graph"], () => this.changed());
-    session.store.on(["hover", "selected", "answer"], () => this.stage.refresh());
+    session.store.on(["hover", "selected"], () => this.stage.refresh());
+    session.store.on(["answer"], () => this.stage.invalidate()); // names make room for it
   }
 
   moved() {
@@ -65,27 +72,17 @@ export class MapView {
     return this.session.state;
   }
 
-  buildMenu() {
-    byId("layer-menu").replaceChildren(...Object.entries(LAYERS).map(([name, words]) => {
-      const key = /** @type {keyof typeof LAYERS} */ (name);
-      const box = el("input", { type: "checkbox", checked: this.shown[key], onchange: () => {
-        this.shown[key] = box.checked;
-        this.stage.invalidate();
-      } });
-      return el("label", {}, box, words);
-    }));
-  }
-
   changed() {
     const { moment, poses, driving, world } = this.state;
     const box = this.extent();
+    const times = (box[2] - box[0]) / Math.max(box[3] - box[1], 1e-9);
+    const view = byId("session-view");
+    view.classList.toggle("wide", times > WIDE[view.classList.contains("wide") ? 0 : 1]);
     if (!this.touched && String(box) !== String(this.fittedTo)) this.fit();
     this.canvas.classList.toggle("driving", driving);
     const hint = byId("map-hint");
     hint.hidden = moment.zones.length > 0 || poses.length > 0;
-    hint.textContent = world
-      ? "Nothing is explored yet. Press Drive, then click where the robot should begin."
-      : "Nothing is explored yet. The map begins with the first scan that the robot sends.";
+    hint.textContent = HINTS[driving ? "driving" : world ? "world" : "robot"];
     this.wantWalls();
     this.stage.invalidate();
   }
@@ -172,7 +169,7 @@ export class MapView {
     if (shown.trail) layers.drawTrail(context, camera, poses, 0, this.drawn);
     this.drawPassages(context, camera, false);
     context.setTransform(ratio, 0, 0, ratio, 0, 0);
-    if (shown.names) drawLabels(context, camera, moment.zones, new Set());
+    if (shown.names) drawLabels(context, camera, moment.zones, this.beside());
   }
 
   /** What moves. @param {CanvasRenderingContext2D} context @param {Camera} camera @param {number} ratio */
@@ -183,13 +180,31 @@ export class MapView {
     camera.apply(context, ratio);
     this.drawLit(context);
     if (shown.trail) layers.drawTrail(context, camera, poses, Math.max((this.drawn ?? 0) - 1, 0), step);
-    if (shown.beams && moment.sight?.pose && Math.abs(moment.sight.seq - step) <= BEHIND_MAX) layers.drawBeams(context, camera, moment.sight);
-    this.drawAnswer(context);
+    const sight = this.sight();
+    if (sight) layers.drawBeams(context, camera, sight);
+    if (this.state.answer) layers.drawAnswer(context, camera, this.state.answer);
     this.drawPassages(context, camera, true);
     if (poses[step - 1]) layers.drawRobot(context, camera, poses[step - 1]);
     context.setTransform(ratio, 0, 0, ratio, 0, 0);
     const lit = this.lit();
-    if (lit.size > 0) drawLabels(context, camera, moment.zones.filter((zone) => lit.has(zone.id)), lit);
+    if (lit.size > 0) drawLabels(context, camera, moment.zones.filter((zone) => lit.has(zone.id)), { ...this.beside(), wanted: lit });
+  }
+
+  /** @returns {any} the beams that are drawn, if there are */
+  sight() {
+    const { sight } = this.state.moment;
+    const isNear = sight?.pose && Math.abs(sight.seq - this.session.shown) <= BEHIND_MAX;
+    return this.shown.beams && isNear ? sight : null;
+  }
+
+  /** @returns {import("./labels.js").Beside} what names are to be beside */
+  beside() {
+    const { poses, answer } = this.state;
+    const pose = poses[this.session.shown - 1];
+    const sight = this.sight();
+    const onLines = (answer?.lines ?? []).flatMap((/** @type {any} */ line) => pointsAlong(line, MARKED * this.camera.pixel, MARKS_MAX));
+    const marks = [...(pose ? [pose.slice(0, 2)] : []), ...(answer?.points ?? []), ...(answer?.frontiers ?? []), ...onLines];
+    return { marks, sight: sight && growBox(noBox(), sight.ends) };
   }
 
   /** @returns {Set<string>} zones that are hovered or selected, or ends of a passage that is */
@@ -224,17 +239,5 @@ export class MapView {
       const fill = shade(numbers.get(edge.source) ?? 0).line;
       layers.drawPoint(context, camera, edge.point, { fill, large, closed: this.session.closings.has(edge) });
     }
-  }
-
-  /** @param {CanvasRenderingContext2D} context */
-  drawAnswer(context) {
-    const { answer } = this.state;
-    if (!answer) return;
-    for (const line of answer.lines) layers.drawLine(context, this.camera, line, colour("route"), 3.5);
-    for (const point of answer.points) layers.drawPoint(context, this.camera, point, { fill: colour("route"), large: true });
-    context.setLineDash([8 * this.camera.pixel, 6 * this.camera.pixel]);
-    for (const line of answer.missing) layers.drawLine(context, this.camera, line, colour("bad"), 2.5);
-    context.setLineDash([]);
-    for (const point of answer.frontiers) layers.drawRing(context, this.camera, point, colour("frontier"));
   }
 }

@@ -123,7 +123,9 @@ def test_play_goes_through_time_to_live(browser: Browser, server: Server) -> Non
 def test_drive_by_clicking_and_by_keys(browser: Browser, server: Server) -> None:
     path = server.create(world=paper_world())
     with opened_page(browser, address(server, path)) as page:
+        expect(page.locator("#map-hint")).to_contain_text("Press Drive")
         page.get_by_role("button", name="Drive").click()
+        expect(page.locator("#map-hint")).to_have_text("Click where the robot should begin.")
         box = page.locator(MAP).bounding_box()
         assert box is not None
         page.mouse.click(box["x"] + box["width"] * 0.3, box["y"] + box["height"] * 0.5)
@@ -226,7 +228,8 @@ def test_ask_and_be_refused_then_answered(browser: Browser, server: Server) -> N
         answer = page.locator("#answer")
         expect(answer).to_contain_text("no way from corridor to C")
         expect(answer).to_have_class(re.compile("refused"))
-        expect(answer).to_contain_text("frontier")
+        expect(answer).to_contain_text("green ring on the map marks the frontier")
+        expect(answer).to_contain_text("dashed arrow of the graph is the passage that is missing")
         picture(page, "refused")
         ask(page, "colourless green ideas")
         expect(answer).to_contain_text("Expected")
@@ -355,6 +358,13 @@ def test_a_session_is_deleted_at_the_second_click(browser: Browser, server: Serv
         button.click()
         expect(page.get_by_role("link", name="of no use")).to_have_count(0)
         assert server.client.get(path).status_code == 404
+
+
+def test_a_session_that_is_not_there_leads_to_the_list(browser: Browser, server: Server) -> None:
+    server.create(name="one that is there")
+    with opened_page(browser, address(server, "/sessions/nothing"), tolerate="404") as page:
+        expect(page.get_by_role("alert").filter(has_text="no session of that id")).to_be_visible()
+        expect(page.get_by_role("link", name="one that is there")).to_be_visible()
 
 
 def test_a_session_that_is_deleted_says_so(browser: Browser, server: Server) -> None:
