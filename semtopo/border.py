@@ -119,40 +119,49 @@ def taken_together(borders: Sequence[Border]) -> Border:
     )
 
 
-def polygon(border: Border) -> Polygon:
-    """Return the region within a border of an outer ring, and holes after it."""
+def within(border: Border) -> Region:
+    """Return the region within a border: its outer rings are each followed by their holes."""
+    rings = len(border.begins) - 1
+    shells = [0] if rings == 1 else np.flatnonzero(border.areas() > 0).tolist()
+    if len(shells) == 1:
+        return _polygon(border)
+    ends = [*shells[1:], rings]
+    parts = [border.in_order(range(*span)) for span in zip(shells, ends, strict=True)]
+    return MultiPolygon([_polygon(part) for part in parts])
+
+
+def _polygon(border: Border) -> Polygon:
+    """Return the region within an outer ring, and holes after it."""
     begins = border.begins
     offsets = (begins, np.array([0, len(begins) - 1]))
     found: Polygon = shapely.from_ragged_array(GeometryType.POLYGON, border.xy, offsets)[0]
     return found
 
 
-def surrounded(border: Border) -> tuple[Region, Border]:
-    """Return the region within a border whose rings are in any order, and the border in order.
+def in_order(border: Border) -> Border:
+    """Return a border whose rings are in any order with each outer one followed by its holes.
 
     Of several outer rings around a hole, the smallest has it.
     """
     rings = len(border.begins) - 1
     if rings == 1:
-        return polygon(border), border
+        return border
     around = border.areas() > 0
     shells = np.flatnonzero(around).tolist()
-    if len(shells) == 1:
-        first = shells[0]
-        order = [first, *(ring for ring in range(rings) if ring != first)]
-        ordered = border if first == 0 else border.in_order(order)
-        return polygon(ordered), ordered
-    return _parts(border, shells, np.flatnonzero(~around).tolist())
+    if len(shells) > 1:
+        return border.in_order(_by_part(border, shells, np.flatnonzero(~around).tolist()))
+    first = shells[0]
+    return (
+        border.in_order([first, *(it for it in range(rings) if it != first)]) if first else border
+    )
 
 
-def _parts(border: Border, shells: list[int], holes: list[int]) -> tuple[Region, Border]:
-    """Return the region of several outer rings and holes, and its border in order."""
-    bodies = [polygon(border.in_order([shell])) for shell in shells]
+def _by_part(border: Border, shells: list[int], holes: list[int]) -> list[int]:
+    """Return several outer rings, each followed by its holes."""
+    bodies = [_polygon(border.in_order([shell])) for shell in shells]
     mine: list[list[int]] = [[shell] for shell in shells]
     for hole in holes:
         ring = shapely.linearrings(border.in_order([hole]).xy)
-        within = np.flatnonzero(shapely.covers(bodies, ring)).tolist()
-        mine[min(within, key=lambda number: bodies[number].area)].append(hole)
-    parts = [border.in_order(rings) for rings in mine]
-    whole = border.in_order([ring for rings in mine for ring in rings])
-    return MultiPolygon([polygon(part) for part in parts]), whole
+        around = np.flatnonzero(shapely.covers(bodies, ring)).tolist()
+        mine[min(around, key=lambda number: bodies[number].area)].append(hole)
+    return [ring for rings in mine for ring in rings]

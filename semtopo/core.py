@@ -69,4 +69,4 @@ class Core:
         if region.is_empty or not region.is_valid:
             region = polygonal(shapely.simplify(self.region, chord))
         turned: Region = shapely.orient_polygons(region)
-        return Extent(turned, traced(turned, [self.border]))
+        return Extent(traced(turned, [self.border]), turned)

@@ -66,7 +66,7 @@ def course_of(border: Border, sector: Sector) -> Course | None:
     turned = z * -sector.along[0].conj()  # so the cut of the angle is the first beam
     bearings = np.arctan2(turned.imag, turned.real)
     wedges = (sector.bearings - math.pi).searchsorted(bearings, side="right") - 1
-    wedges[wedges < 0] = 0  # on the first beam
+    np.maximum(wedges, 0, out=wedges)  # on the first beam
     steps = wedges[1:] - wedges[:-1]
     turns = bearings[1:] - bearings[:-1]
     wide = (np.abs(turns) > NEARLY_HALF_TURN).nonzero()[0]

@@ -9,10 +9,11 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
+from functools import cached_property
 
 import shapely
 
-from semtopo.border import Border, polygon, surrounded
+from semtopo.border import Border, in_order, within
 from semtopo.course import Course, UnclearError, course_of
 from semtopo.geometry import NO_AREA, Region, polygonal
 from semtopo.seams import Seams, joined
@@ -22,23 +23,27 @@ from semtopo.traced import traced
 from semtopo.types import Point
 
 
-@dataclass(frozen=True, slots=True, eq=False)
+@dataclass(frozen=True, eq=False)
 class Extent:
-    """A region in m, map frame, with its border: the vertices of both are in the same order."""
+    """A region in m, map frame, with its border: the vertices of both are in the same order.
 
-    region: Region
+    If the region is not `given`, it is made from the border when asked for: most scans only go from
+    border to border.
+    """
+
     border: Border
+    given: Region | None = None
 
     @classmethod
     def of(cls, region: Region) -> Extent:
         """Return the extent of a region of whose border nothing is known."""
         turned: Region = shapely.orient_polygons(region)
-        return cls(turned, Border.of(turned))
+        return cls(Border.of(turned), turned)
 
-    @classmethod
-    def within(cls, border: Border) -> Extent:
-        """Return the extent within a border whose rings are in any order."""
-        return cls(*surrounded(border))
+    @cached_property
+    def region(self) -> Region:
+        """The region."""
+        return within(self.border) if self.given is None else self.given
 
 
 def fuse(known: Extent, seen: Extent, sectors: Sequence[Sector] = ()) -> Extent:
@@ -52,7 +57,7 @@ def fuse(known: Extent, seen: Extent, sectors: Sequence[Sector] = ()) -> Extent:
         try:
             known = _swept(known, sector)
         except UnclearError:
-            known = _united(known, Extent(polygon(sector.border), sector.border))
+            known = _united(known, Extent(sector.border))
     return known
 
 
@@ -62,7 +67,7 @@ def _united(known: Extent, seen: Extent) -> Extent:
     if region.area - known.region.area <= NO_AREA:
         return known
     turned: Region = shapely.orient_polygons(region)
-    return Extent(turned, traced(turned, [known.border, seen.border]))
+    return Extent(traced(turned, [known.border, seen.border]), turned)
 
 
 def _swept(known: Extent, sector: Sector) -> Extent:
@@ -81,13 +86,12 @@ def _swept(known: Extent, sector: Sector) -> Extent:
         raise UnclearError
     seams = Seams.on(known.border, found.place)
     around = Seams.on(sector.border, found.around)
-    crossed = set(around.rings.tolist())
     for ring in range(len(sector.border.begins) - 1):
-        if ring not in crossed:
+        if ring not in around.rings:
             x, y = sector.border.xy[sector.border.begins[ring]]
             _covering(known, (x, y))
-    whole = [*_whole(known.border, course, found, set(seams.rings.tolist()))]
-    return Extent.within(joined(seams, around, found, sector.position, whole))
+    whole = [*_whole(known.border, course, found, seams.rings)]
+    return Extent(in_order(joined(seams, around, found, sector.position, whole)))
 
 
 def _covering(known: Extent, place: Point) -> Extent:
@@ -97,7 +101,9 @@ def _covering(known: Extent, place: Point) -> Extent:
     return known
 
 
-def _whole(border: Border, course: Course, found: Crossings, crossed: set[int]) -> Iterator[int]:
+def _whole(
+    border: Border, course: Course, found: Crossings, crossed: frozenset[int]
+) -> Iterator[int]:
     """Yield the rings that stay as they are: not crossed, and not inside the sector."""
     first = course.numbers.searchsorted(border.begins)
     for ring in range(len(border.begins) - 1):

@@ -6,6 +6,7 @@ other; where it would enter, it goes on along that of the other.
 
 from __future__ import annotations
 
+from collections.abc import Iterator
 from dataclasses import dataclass, replace
 from itertools import accumulate, pairwise
 
@@ -23,42 +24,52 @@ SIDES = np.uint8(255) - POINT
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Seams:
-    """Places on the sides of a border, ring by ring, and which place follows each on its ring."""
+    """Places on the sides of a border; each leads along its ring to the next, `after` (places,).
+
+    `side` is the vertex before each place. The vertices from a place to the next are in two runs
+    where the end of the ring lies between; elsewhere the second is empty. `begins` and `spans`
+    (places, 2) say where the runs begin, and how many they are. `rings` are those with a place.
+    """
 
     border: Border
     side: Integers
-    rings: Integers
-    place: Floats
     after: Integers
+    begins: Integers
+    spans: Integers
+    rings: frozenset[int]
 
     @classmethod
     def on(cls, border: Border, place: Floats) -> Seams:
         """Return places on sides: the number of the vertex before, and which share lies before."""
-        side = place.astype(np.intp)
-        rings = border.begins.searchsorted(side, side="right") - 1
-        order = place.argsort()
-        ordered = rings[order]
-        following = np.arange(1, len(place) + 1)
-        last = (ordered[1:] != ordered[:-1]).nonzero()[0].tolist()
-        following[[*last, -1]] = [0, *(number + 1 for number in last)]
-        after = np.empty(len(place), dtype=np.intp)
-        after[order] = order[following]
-        return cls(border, side, rings, place, after)
+        side, order = place.astype(np.intp), place.argsort()
+        after = np.empty_like(order)
+        after[order[:-1]] = order[1:]
+        runs = list(_by_ring(border, place, order))
+        for _, first, last in runs:
+            after[last] = first
+        begins, spans = np.zeros((2, len(place), 2), dtype=np.intp)
+        begins[:, 0], spans[:, 0] = side, side[after]
+        spans[:, 0] -= side
+        begins += 1
+        for ring, first, last in runs:
+            begin, end = border.begins[ring], border.begins[ring + 1]
+            begins[last, 1] = begin + 1  # a ring's first vertex is its last, too
+            spans[last] = end - 1 - side[last], side[first] - begin
+        return cls(border, side, after, begins, spans, frozenset(ring for ring, _, _ in runs))
 
-    def stretches(self, start: Integers, first: int, begins: Integers, spans: Integers) -> None:
-        """Say where the vertices from places to the next ones begin, and how many they are.
 
-        Vertices are counted from `first` on. Where the end of the ring lies between, they are in
-        two runs, and `begins` and `spans` (places, 2) get both; elsewhere the second is empty.
-        """
-        stop, ring = self.after[start], self.rings[start]
-        begin, end = self.border.begins[ring], self.border.begins[ring + 1]
-        side, last = self.side[start], self.side[stop]
-        wraps = self.place[stop] <= self.place[start]
-        begins[:, 0], begins[:, 1] = side, begin
-        begins += first + 1
-        spans[:, 0] = np.where(wraps, end - 1, last) - side
-        spans[:, 1] = (last - begin) * wraps
+def _by_ring(border: Border, place: Floats, order: Integers) -> Iterator[tuple[int, int, int]]:
+    """Yield each ring with places on it, with its first and its last of them.
+
+    `order` is that of the places along the border.
+    """
+    rings = len(border.begins) - 1
+    ends = [len(order)] if rings == 1 else place[order].searchsorted(border.begins[1:]).tolist()
+    first = 0
+    for ring, end in enumerate(ends):
+        if first < end:
+            yield ring, int(order[first]), int(order[end - 1])
+        first = end
 
 
 def joined(
@@ -129,8 +140,9 @@ def _vertices(
     entered, ends = known.after[leaves], counts.cumsum()
     firsts = leaves[ends - counts].repeat(counts)
     spans, begins = np.empty((2, len(leaves), 7), dtype=np.intp)
-    known.stretches(leaves, 0, begins[:, 1:3], spans[:, 1:3])
-    around.stretches(entered, size, begins[:, 4:6], spans[:, 4:6])
+    begins[:, 1:3], spans[:, 1:3] = known.begins[leaves], known.spans[leaves]
+    begins[:, 4:6], spans[:, 4:6] = around.begins[entered], around.spans[entered]
+    begins[:, 4:6] += size
     begins[:, 0], begins[:, 3], begins[:, 6] = leaves, entered, firsts
     begins[:, ::3] += crossing
     spans[:, 0] = spans[:, 3] = 1

@@ -108,11 +108,10 @@ def find_strips(scan: Scan) -> Strips:
     """Return every strip of a scan that has area (R6)."""
     spans = scan.intervals
     left, right = _overlapping(scan)
-    near, far = spans.near, spans.far
-    swept = far[left] * far[right] - near[left] * near[right]
-    areas = scan.fan.widths[spans.beam[left]] * swept / 2
-    alike = (spans.label[left] == spans.label[right]) & ((near[left] == 0) == (near[right] == 0))
-    chosen = alike & (areas > NO_AREA)
+    near, far = (spans.near[left], spans.near[right]), (spans.far[left], spans.far[right])
+    areas = scan.fan.widths[spans.beam[left]] * (far[0] * far[1] - near[0] * near[1]) / 2
+    alike = (spans.label[left] == spans.label[right]) & ((near[0] == 0) == (near[1] == 0))
+    chosen = (alike & (areas > NO_AREA)).nonzero()[0]
     return Strips(scan, left[chosen], right[chosen], areas[chosen])
 
 
@@ -125,13 +124,13 @@ def _overlapping(scan: Scan) -> tuple[Integers, Integers]:
     spans, beams = scan.intervals, len(scan.fan)
     # beams are laid end to end; a power of two, so that equal radii stay equal
     length = 2.0 ** math.ceil(math.log2(spans.far.max(initial=1.0)) + 1)
-    there = (spans.beam + 1) % beams * length
     here = spans.beam * length
-    first = np.searchsorted(here + spans.far, there + spans.near, side="left")
-    end = np.searchsorted(here + spans.near, there + spans.far, side="right")
-    partners = end - first
+    there = here + length
+    there[spans.beam == beams - 1] = 0.0
+    first = (here + spans.far).searchsorted(there + spans.near, side="left")
+    partners = (here + spans.near).searchsorted(there + spans.far, side="right") - first
     if not scan.fan.ring:
         partners[spans.beam == beams - 1] = 0
-    left = np.repeat(np.arange(len(spans)), partners)
-    offset = np.arange(len(left)) - np.repeat(np.cumsum(partners) - partners, partners)
-    return left, np.repeat(first, partners) + offset
+    left = np.arange(len(spans)).repeat(partners)
+    first -= partners.cumsum() - partners  # so that each counts on from the one before
+    return left, first.repeat(partners) + np.arange(len(left))

@@ -42,12 +42,12 @@ def shape_from(stored: bytes, marks: bytes) -> tuple[Extent, Core | None]:
     reduced, whole = parts
     tolerance = np.frombuffer(marks, dtype="<f8", count=1)[0]
     core = Core(_extent(whole, marks[8:]), float(tolerance))
-    return Extent(reduced, traced(reduced, [core.border])), core
+    return Extent(traced(reduced, [core.border]), reduced), core
 
 
 def _extent(region: Region, marks: bytes) -> Extent:
     """Return a region whose vertices have marks."""
-    return Extent(region, Border.of(region, np.frombuffer(marks, dtype=np.uint8)))
+    return Extent(Border.of(region, np.frombuffer(marks, dtype=np.uint8)), region)
 
 
 def region_bytes(region: Region) -> bytes:

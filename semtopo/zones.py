@@ -16,9 +16,8 @@ from itertools import pairwise
 
 import numpy as np
 import shapely
-from shapely import MultiPolygon
 
-from semtopo.border import Border, polygon, taken_together
+from semtopo.border import Border, taken_together
 from semtopo.crossings import SeenDoorways, seen_doorways
 from semtopo.fusion import Extent
 from semtopo.geometry import Polygons, Region, apart, nearest_point, union
@@ -153,7 +152,8 @@ def _zones(strips: Strips, options: MappingOptions) -> tuple[list[Zone], Integer
             places = [(extent, (label == number).nonzero()[0])]
         else:
             places = list(_parts(extent, strips, chosen))
-        large = [it for it in places if it[0].region.area > options.min_zone_area]
+        least = options.min_zone_area
+        large = [it for it in places if least == 0 or it[0].region.area > least]
         for part, (place, mine) in enumerate(large):
             owner[mine] = len(zones)
             swept = sectors if place is extent and not strips.scan.exact else ()
@@ -167,13 +167,12 @@ def _extent(strips: Strips, chosen: Integers) -> tuple[Extent, tuple[Sector, ...
     if not strips.are_chains(chosen):
         region: Region = shapely.orient_polygons(union(strips.polygons(chosen)))
         border = traced(region, [outlines(scan, strips.left[chosen], strips.right[chosen])])
-        return Extent(region, border), ()
+        return Extent(border, region), ()
     chains = strips.chains(chosen)
     sectors = tuple(sector_of(scan, chain, closed=closed) for chain, closed in chains)
     if len(sectors) == 1:
-        return Extent(polygon(sectors[0].border), sectors[0].border), sectors
-    borders = [sector.border for sector in sectors]
-    return Extent(MultiPolygon([polygon(it) for it in borders]), taken_together(borders)), sectors
+        return Extent(sectors[0].border), sectors
+    return Extent(taken_together([sector.border for sector in sectors])), sectors
 
 
 def _parts(extent: Extent, strips: Strips, chosen: Integers) -> Iterator[tuple[Extent, Integers]]:
@@ -189,7 +188,7 @@ def _parts(extent: Extent, strips: Strips, chosen: Integers) -> Iterator[tuple[E
         mine = chosen[shapely.intersects(part, inside)]
         region: Region = shapely.orient_polygons(part)
         border = traced(region, [extent.border])
-        yield Extent(region, border), np.union1d(strips.left[mine], strips.right[mine])
+        yield Extent(border, region), np.union1d(strips.left[mine], strips.right[mine])
 
 
 def _places(numbers: Integers) -> dict[int, Integers]:

@@ -20,7 +20,7 @@ def marked(region: Region, claims: Mapping[Point, Occupancy]) -> Extent:
     after = np.concatenate([why[1:], why[:1]])
     for first, end in zip(bare.border.begins[:-1], bare.border.begins[1:], strict=True):
         after[end - 1] = why[first + 1]
-    return Extent(bare.region, Border(bare.border.xy, bare.border.begins, _marks(why, after)))
+    return Extent(Border(bare.border.xy, bare.border.begins, _marks(why, after)), bare.region)
 
 
 def _marks(why: Bytes, after: Bytes) -> Bytes:

@@ -108,7 +108,7 @@ def bordered(state: MapState, borders: Iterable[Document]) -> MapState:
         for zone_id, found in pieces.items():
             zone = zones[zone_id]
             border = PiecedBorder.of_pieces(zone.border, found)
-            zones[zone_id] = replace(zone, extent=Extent(zone.region, border))
+            zones[zone_id] = replace(zone, extent=Extent(border, zone.region))
     except (LookupError, TypeError, ValueError, AttributeError) as error:
         raise InvalidMapError("these are not the borders of the map") from error
     return replace(state, metric=replace(state.metric, zones=zones))
