@@ -57,10 +57,11 @@ def course_of(border: Border, sector: Sector) -> Course | None:
     UnclearError
         A side comes too near to the robot, or a vertex to the first or last beam.
     """
-    numbers, real = _near(border, sector)
+    z = as_complex(border.xy) - sector.position
+    numbers, real = _near(z, border, sector)
     if len(numbers) == 0:
         return None
-    z = as_complex(border.xy)[numbers] - sector.position
+    z = z[numbers]
     if not sector.closed:
         _check_edges(z, sector)
     turned = z * -sector.along[0].conj()  # so the cut of the angle is the first beam
@@ -78,17 +79,18 @@ def course_of(border: Border, sector: Sector) -> Course | None:
     return _cut(numbers, z, real, wedges, steps, len(sector.far))
 
 
-def _near(border: Border, sector: Sector) -> tuple[Integers, Flags]:
-    """Return the vertices of sides near a sector, and at which of them such a side begins."""
-    reach, middle = float(sector.far.max()), sector.position
-    x, y = border.xy[:, 0], border.xy[:, 1]
-    near = np.zeros(len(x), dtype=np.bool_)
-    apart = near[1:]
-    for places, centre in ((x, middle.real), (y, middle.imag)):
-        low, high = places < centre - reach, places > centre + reach
-        apart |= low[1:] & low[:-1]
-        apart |= high[1:] & high[:-1]
-    np.logical_not(apart, out=near[:-1])
+def _near(z: Complexes, border: Border, sector: Sector) -> tuple[Integers, Flags]:
+    """Return the vertices of sides near a sector, and at which of them such a side begins.
+
+    They are where `z` says, in m from the robot.
+    """
+    reach = sector.far.max()
+    xy = z.view(np.float64)  # x and y in turn
+    low, high = xy < -reach, xy > reach
+    apart = low[2:] & low[:-2]
+    apart |= high[2:] & high[:-2]
+    near = np.zeros(len(z), dtype=np.bool_)
+    np.equal(apart.view(np.uint16), 0, out=near[:-1])  # neither x nor y
     near[border.begins[1:] - 1] = False  # no side leads from one ring to the next
     chosen = near.copy()
     chosen[1:] |= near[:-1]

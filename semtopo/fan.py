@@ -8,7 +8,7 @@ from functools import cached_property
 import numpy as np
 
 from semtopo.geometry import as_complex
-from semtopo.types import Complexes, Floats
+from semtopo.types import Complexes, Floats, Integers
 
 HALF_TURN = 3.1
 """rad; beams farther apart than that enclose no ground that lies between them."""
@@ -36,6 +36,11 @@ class Fan:
     def along(self) -> Complexes:
         """The directions as complex numbers, (beams,)."""
         return as_complex(self.directions)
+
+    @cached_property
+    def following(self) -> Integers:
+        """Which beam comes after each, (beams,); the first after the last."""
+        return np.roll(np.arange(len(self)), -1)
 
     @cached_property
     def bearings(self) -> Floats:

@@ -111,16 +111,15 @@ def beam_rule(runs: Runs) -> Intervals:
     starts = np.ones(len(runs.beam) + 1, dtype=np.bool_)  # where a beam begins, or the last ended
     np.not_equal(runs.beam[1:], runs.beam[:-1], out=starts[1:-1])
     chosen = ((runs.kind == SPACE) & ~_blocked(runs.kind, starts[:-1])).nonzero()[0]
-    before, enters, leaves = chosen - 1, ~starts[chosen], ~starts[chosen + 1]
-    near, far, label = runs.first[chosen] * enters, runs.last[chosen], runs.label[chosen]
-    near_occupancy = _TOWARDS[runs.kind[before]] * enters
-    far_occupancy = _TOWARDS[runs.kind.take(chosen + 1, mode="clip")]
-    far_occupancy[~leaves] = FREE  # Alg. 2, l. 25-29
-    far_occupancy[~leaves & (near == far)] = NONE  # l. 25 comes after l. 16, and R5
+    near, near_occupancy, source = _beginnings(runs, starts, chosen)
+    far, after = runs.last[chosen], chosen + 1
+    far_occupancy = _TOWARDS[runs.kind.take(after, mode="clip")]
+    ends = starts[after]
+    far_occupancy[ends] = FREE  # Alg. 2, l. 25-29
+    far_occupancy[ends & (near == far)] = NONE  # l. 25 comes after l. 16, and R5
     return Intervals(
-        runs.beam[chosen], label, near, far, near_occupancy, far_occupancy,
-        np.where(enters, _sources(runs, starts, before), NOWHERE),
-    )  # fmt: skip
+        runs.beam[chosen], runs.label[chosen], near, far, near_occupancy, far_occupancy, source
+    )
 
 
 SPACE, PASSAGE, OBSTACLE = map(int, (Kind.SPACE, Kind.PASSAGE, Kind.OBSTACLE))
@@ -144,14 +143,22 @@ def _blocked(kind: Bytes, starts: Flags) -> Flags:
     return blocked
 
 
-def _sources(runs: Runs, starts: Flags, before: Integers) -> Integers:
-    """Return the label of the space before the one passage before each interval (R15).
+def _beginnings(runs: Runs, starts: Flags, chosen: Integers) -> tuple[Floats, Bytes, Integers]:
+    """Return where chosen runs begin, why there, and from which space the beam came (R15).
 
-    `before` is the run before the interval; so is the space where two touch (R5).
+    That is the one before the one passage before the run, or where two touch (R5) the run before;
+    its label is meant.
     """
-    through = (runs.kind[before] == PASSAGE) & ~starts[before]
-    source = before - through
-    return np.where(runs.kind[source] == SPACE, runs.label[source], NOWHERE)
+    near, why = np.zeros(len(chosen)), np.zeros(len(chosen), dtype=np.uint8)
+    label = np.full(len(chosen), NOWHERE)
+    entered = (~starts[chosen]).nonzero()[0]
+    if len(entered):  # the others begin at the robot
+        run = chosen[entered]
+        before = run - 1
+        near[entered], why[entered] = runs.first[run], _TOWARDS[runs.kind[before]]
+        source = before - ((runs.kind[before] == PASSAGE) & ~starts[before])
+        label[entered] = np.where(runs.kind[source] == SPACE, runs.label[source], NOWHERE)
+    return near, why, label
 
 
 def analyse(measurement: Measurement | Trace) -> Scan:

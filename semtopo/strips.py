@@ -50,37 +50,30 @@ class Strips:
         found: Integers = ((one >= 0) & (one == source[self.right])).nonzero()[0]
         return found
 
-    def are_chains(self, chosen: Integers) -> bool:
-        """Say whether no chosen strips but those that follow one another have ground in common.
-
-        Not so where an interval has two partners on one side, nor where a real sensor's last beam
-        looks along its first, or its beams are half a turn apart.
-        """
-        left, right = self.left[chosen], self.right[chosen]
-        if (left[1:] == left[:-1]).any() or np.bincount(right).max() > 1:
-            return False
-        return self.scan.fan.is_even and not self.scan.fan.overlaps
-
-    def chains(self, chosen: Integers) -> Iterator[tuple[Integers, bool]]:
-        """Yield the intervals of each chain of the chosen strips, and whether it closes.
+    def chains(self, chosen: Integers) -> list[tuple[Integers, bool]]:
+        """Return the intervals of each chain of the chosen strips, and whether it closes.
 
         Chains end at intervals without extent: what lies on both sides meets there in a point.
+        There are none if others than strips that follow one another may have ground in common: an
+        interval has two partners on one side, a real sensor's last beam looks along its first, or
+        its beams are half a turn apart.
         """
         left, right, spans = self.left[chosen], self.right[chosen], self.scan.intervals
+        if not self.scan.fan.is_even or self.scan.fan.overlaps:
+            return []
+        extended = spans.near[left] < spans.far[left]
+        if (left[1:] == right[:-1]).all() and extended[1:].all():  # one simply after the other
+            closes = bool(extended[0] and right[-1] == left[0])
+            return [(left if closes else np.append(left, right[-1]), closes)]
+        if (left[1:] == left[:-1]).any() or np.bincount(right).max() > 1:
+            return []
         number = np.full(len(spans), -1)
-        number[left] = np.arange(len(left))
-        number[spans.near == spans.far] = -1
-        after = number[right]  # the strip that follows each, or -1
-        if (after[:-1] != np.arange(1, len(after))).any():
-            yield from _followed(left, right, after)
-        elif after[-1] == 0:
-            yield left, True
-        else:
-            yield np.append(left, right[-1]), False
+        number[left[extended]] = extended.nonzero()[0]
+        return list(_followed(left, right, number[right]))
 
 
 def _followed(left: Integers, right: Integers, after: Integers) -> Iterator[tuple[Integers, bool]]:
-    """Yield the chains of strips that do not simply stand in a row, by going from one to the next.
+    """Yield the chains of strips, by going from one to the next.
 
     `after` is the number of the strip that follows each, -1 at the end of a chain.
     """
@@ -122,6 +115,8 @@ def _overlapping(scan: Scan) -> tuple[Integers, Integers]:
     are found without a look at the others, of which a scan may have very many.
     """
     spans, beams = scan.intervals, len(scan.fan)
+    if scan.fan.ring and len(spans) == beams and not spans.near.any():  # one on each, from here
+        return np.arange(beams), scan.fan.following
     # beams are laid end to end; a power of two, so that equal radii stay equal
     length = 2.0 ** math.ceil(math.log2(spans.far.max(initial=1.0)) + 1)
     here = spans.beam * length

@@ -59,12 +59,13 @@ class _Axis:
     """One axis of a window: where its edges are, and what the bins know of them.
 
     `places` (bins,) is the point or gap of each bin times `stride`, negative where an edge is
-    near.
+    near. `bounds` are the least numbers of every point and of the gap after it.
     """
 
     low: float
     scale: float
     edges: Floats
+    bounds: Floats
     stride: int
     places: Integers
 
@@ -78,7 +79,8 @@ class _Axis:
         places = 2 * np.searchsorted(at, bins + 0.5) * stride
         first = np.searchsorted(at, bins - near)
         places[np.searchsorted(at, bins + 1 + near) > first] = -(2**40)
-        return cls(low, scale, edges, stride, places)
+        bounds = np.stack([edges, np.nextafter(edges, np.inf)], axis=1).ravel()
+        return cls(low, scale, edges, bounds, stride, places)
 
     def quick(self, offsets: NDArray[np.float32], centre: float) -> Integers:
         """Return point or gap times stride of places at offsets in bins, negative if unsure."""
@@ -87,8 +89,7 @@ class _Axis:
 
     def exact(self, coordinates: Floats) -> Integers:
         """Return point or gap times stride of coordinates."""
-        left = np.searchsorted(self.edges, coordinates, side="left")
-        return (left + np.searchsorted(self.edges, coordinates, side="right")) * self.stride
+        return self.bounds.searchsorted(coordinates, side="right") * self.stride
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -125,7 +126,7 @@ class Window:
     def read(self, centre: Point, offsets: Offsets) -> Integers:
         """Return what is on top at each of the places around a centre."""
         at = self.x.quick(offsets.u, centre[0]) + self.y.quick(offsets.v, centre[1])
-        unsure = np.flatnonzero(at < 0)
+        unsure = (at < 0).nonzero()[0]
         if len(unsure):
             at[unsure] = self.x.exact(centre[0] + offsets.x[unsure])
             at[unsure] += self.y.exact(centre[1] + offsets.y[unsure])

@@ -164,11 +164,11 @@ def _zones(strips: Strips, options: MappingOptions) -> tuple[list[Zone], Integer
 def _extent(strips: Strips, chosen: Integers) -> tuple[Extent, tuple[Sector, ...]]:
     """Return the union of strips, of which there is at least one, and its sectors if it has any."""
     scan = strips.scan
-    if not strips.are_chains(chosen):
+    chains = strips.chains(chosen)
+    if not chains:
         region: Region = shapely.orient_polygons(union(strips.polygons(chosen)))
         border = traced(region, [outlines(scan, strips.left[chosen], strips.right[chosen])])
         return Extent(border, region), ()
-    chains = strips.chains(chosen)
     sectors = tuple(sector_of(scan, chain, closed=closed) for chain, closed in chains)
     if len(sectors) == 1:
         return Extent(sectors[0].border), sectors
