@@ -2,8 +2,10 @@
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass
 from functools import cached_property
+from typing import NamedTuple
 
 import numpy as np
 
@@ -15,6 +17,31 @@ HALF_TURN = 3.1
 
 SAME_DIRECTION = 1e-5
 """rad; so near to each other, the first and the last beam of a scan may overlap."""
+
+
+class Round(NamedTuple):
+    """Beams counter-clockwise, (beams,) each: where they point, and how they follow one another.
+
+    `along` are their directions, `bearings` how far they are turned from the first, in rad, `after`
+    which of them follows each, the first after the last, and `widths` the sines of the angles
+    between them and the beams of the fan that follow.
+    """
+
+    along: Complexes
+    bearings: Floats
+    after: Integers
+    widths: Floats
+
+    @classmethod
+    def of(cls, fan: Fan, beams: Integers) -> Round:
+        """Put together what is known of some beams that follow one another."""
+        bearings = fan.bearings[beams]
+        bearings -= bearings[0]
+        bearings += (2 * math.pi) * (bearings < 0)
+        after = np.arange(1, len(beams) + 1)
+        after[-1] = 0
+        widths = fan.widths[beams[after] if fan.clockwise else beams]
+        return cls(fan.along[beams], bearings, after, widths)
 
 
 @dataclass(frozen=True, eq=False)
@@ -56,6 +83,11 @@ class Fan:
     def widths(self) -> Floats:
         """The sine of the angle between each beam and the next, (beams,)."""
         return np.abs((self.along.conj() * np.roll(self.along, -1)).imag)
+
+    @cached_property
+    def around(self) -> Round:
+        """All beams of a ring, counter-clockwise, from the first that is last if clockwise."""
+        return Round.of(self, np.arange(len(self))[:: -1 if self.clockwise else 1])
 
     @cached_property
     def clockwise(self) -> bool:

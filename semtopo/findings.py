@@ -42,6 +42,8 @@ def extend(
     through its doorway (R10). Where nothing is new, the graph is this very object.
     """
     merged, merges = _merged(graph, placed, seq, kept)
+    if not placed.sensor_map.links and all(it in merged.nodes for it in placed.names.values()):
+        return merged, merges
     nodes, passages = dict(merged.nodes), dict(merged.passages)
     events: list[Event] = []
     for zone_id, label, links in _in_order(placed):

@@ -101,6 +101,8 @@ class MetricMap:
 
 def here_first(sensor_map: SensorMap) -> list[Zone]:
     """Return the zones in the order of Algorithm 3: where the robot is, then by name."""
+    if len(sensor_map.zones) == 1:
+        return list(sensor_map.zones)
     return sorted(sensor_map.zones, key=lambda zone: (zone.name != sensor_map.here_name, zone.name))
 
 
@@ -118,7 +120,9 @@ def _grown(known: MappedZone, seen: Zone | MappedZone, seq: int, tolerance: floa
         grown = core.grown(other.extent, sectors)
         return known if grown is core else _around(known, grown, seq)
     extent = fuse(known.extent, seen.extent, sectors)
-    return known if extent is known.extent else replace(known, extent=extent, seq=seq)
+    if extent is known.extent:
+        return known
+    return MappedZone(known.zone_id, known.label, extent, known.since, seq)
 
 
 def _around(zone: MappedZone, core: Core, seq: int) -> MappedZone:

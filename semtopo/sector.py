@@ -20,6 +20,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from semtopo.border import POINT, SIDE, Border
+from semtopo.fan import Round
 from semtopo.scan import Intervals, Scan
 from semtopo.types import Bytes, Complexes, Flags, Floats, Integers, Occupancy, Point
 
@@ -77,13 +78,9 @@ def sector_of(scan: Scan, intervals: Integers, *, closed: bool) -> Sector:
     if scan.fan.clockwise:
         intervals = intervals[::-1]
     spans, fan, position = scan.intervals, scan.fan, complex(*scan.position)
-    beams, near, far = spans.beam[intervals], spans.near[intervals], spans.far[intervals]
-    along, bearings = fan.along[beams], fan.bearings[beams]
-    bearings -= bearings[0]
-    bearings += (2 * math.pi) * (bearings < 0)
-    after = np.arange(1, len(beams) + 1)
-    after[-1] = 0
-    widths, from_robot = fan.widths[beams[after] if fan.clockwise else beams], near[0] == 0
+    near, far = spans.near[intervals], spans.far[intervals]
+    along, bearings, after, widths = fan.around if closed else Round.of(fan, spans.beam[intervals])
+    from_robot = near[0] == 0
 
     def line(radii: Floats, why: Bytes) -> Line:
         """Return the vertices at some distances; the side after the last is FREE if open."""

@@ -105,9 +105,9 @@ class _Front:
         np.subtract(self._start[1:], self._start[:-1], out=self._chord[:-1])
         self._chord[-1] = self._start[0] - self._start[-1]
         inward = 1.0 if far else -1.0
-        self._normal = self._chord * (1j * inward / np.abs(self._chord))
-        self._offset = (self._normal.conj() * self._start).real
-        at_vertices = (self._normal[course.wedges].conj() * course.z).real
+        self._normal = self._chord.conj() * (-1j * inward / np.abs(self._chord))
+        self._offset = (self._normal * self._start).real
+        at_vertices = (self._normal[course.wedges] * course.z).real
         at_vertices -= self._offset[course.wedges]
         if legs.gap is not None:
             at_vertices[course.wedges == len(radii) - 1] = -inward
@@ -124,7 +124,7 @@ class _Front:
             course.at_vertices.searchsorted(legs, side="right") - 1,
             self._legs.wedges[legs],
         )
-        start, normal, chord = course.z[side], self._normal[wedge].conj(), self._chord[wedge]
+        start, normal, chord = course.z[side], self._normal[wedge], self._chord[wedge]
         way = course.z[side + 1] - start
         share = (self._offset[wedge] - (normal * start).real) / (normal * way).real
         z = start + share * way
