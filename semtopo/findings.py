@@ -6,7 +6,7 @@ merges that the scan led to, then what it found, in the order of Algorithm 3.
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import replace
 
 import numpy as np
@@ -42,15 +42,18 @@ def extend(
     through its doorway (R10). Where nothing is new, the graph is this very object.
     """
     merged, merges = _merged(graph, placed, seq, kept)
-    if not placed.sensor_map.links and all(it in merged.nodes for it in placed.names.values()):
+    links = [*placed.sensor_map.links]
+    if kept is Passages.FIRST:
+        links = [it for it in links if not _is_linked(*_pair(it, placed), placed, merged.passages)]
+    if not links and all(zone_id in merged.nodes for zone_id in placed.names.values()):
         return merged, merges
     nodes, passages = dict(merged.nodes), dict(merged.passages)
     events: list[Event] = []
-    for zone_id, label, links in _in_order(placed):
+    for zone_id, label, completed in _in_order(placed, links):
         if zone_id not in nodes:  # Alg. 3, l. 10 and 26
             nodes[zone_id] = Node(zone_id, label, seq)
             events.append(NodeFound(label, zone_id))
-        for (source, target, number), entered in _ways(links, placed, passages, kept):
+        for (source, target, number), entered in _ways(completed, placed, passages, kept):
             point = nearest_point(union(entered), placed.sensor_map.position)
             found = Passage(source, target, point, seq, number)
             passages[found.key] = found  # Alg. 3, l. 19-22 and 27
@@ -60,7 +63,7 @@ def extend(
     return TopologyGraph(nodes, passages, merged.gone), (*merges, *events)
 
 
-def _in_order(placed: Placement) -> Iterator[tuple[str, str, list[Link]]]:
+def _in_order(placed: Placement, links: Iterable[Link]) -> Iterator[tuple[str, str, list[Link]]]:
     """Yield id and label of each zone of a scan, with the links that are complete once it is known.
 
     That is the order of Alg. 3, l. 13-29.
@@ -69,10 +72,16 @@ def _in_order(placed: Placement) -> Iterator[tuple[str, str, list[Link]]]:
     labels = {names[zone.name]: zone.label for zone in here_first(placed.sensor_map)}
     rank = {zone_id: number for number, zone_id in enumerate(labels)}
     completed: dict[str, list[Link]] = {zone_id: [] for zone_id in labels}
-    for link in placed.sensor_map.links:
-        completed[max((names[end] for end in link.ends), key=rank.__getitem__)].append(link)
-    for zone_id, links in completed.items():
-        yield zone_id, labels[zone_id], links
+    for link in links:
+        completed[max(_pair(link, placed), key=rank.__getitem__)].append(link)
+    for zone_id, mine in completed.items():
+        yield zone_id, labels[zone_id], mine
+
+
+def _pair(link: Link, placed: Placement) -> tuple[str, str]:
+    """Return the zone ids of source and target."""
+    source, target = link.ends
+    return placed.names[source], placed.names[target]
 
 
 def _ways(
@@ -84,7 +93,7 @@ def _ways(
     """Yield the keys of the new passages that links speak for, each with what one enters there."""
     seen: dict[tuple[str, str], list[Link]] = {}
     for link in links:
-        source, target = (placed.names[end] for end in link.ends)
+        source, target = _pair(link, placed)
         if source != target:
             seen.setdefault((source, target), []).append(link)
     for (source, target), leading in seen.items():
@@ -102,8 +111,10 @@ def _is_linked(
     source: str, target: str, placed: Placement, passages: Mapping[PassageKey, Passage]
 ) -> bool:
     """Say whether any passage leads from one zone to another: its number is that of a doorway."""
+    if (source, target, 0) in passages:
+        return True
     doors = placed.metric.doorways.between(source, target)
-    return any((source, target, number) in passages for number in (0, *(it.number for it in doors)))
+    return any((source, target, door.number) in passages for door in doors)
 
 
 def _by_doorway(source: str, target: str, placed: Placement) -> dict[int, list[Polygons]]:

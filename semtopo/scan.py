@@ -10,6 +10,7 @@ is kept is never a passage sample, and nothing after a beam's first obstacle.
 from __future__ import annotations
 
 from dataclasses import dataclass
+from typing import NamedTuple
 
 import numpy as np
 
@@ -86,8 +87,7 @@ class Scan:
         return ends, occupancy
 
 
-@dataclass(frozen=True, slots=True, eq=False)
-class Runs:
+class Runs(NamedTuple):
     """Stretches of beams on one surface each, sorted by beam and then outwards; (runs,) each.
 
     `first` and `last` are the distances in m of where the stretch was met first and last. `label`

@@ -7,8 +7,9 @@ other; where it would enter, it goes on along that of the other.
 from __future__ import annotations
 
 from collections.abc import Iterator
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from itertools import accumulate, pairwise
+from typing import NamedTuple
 
 import numpy as np
 
@@ -22,8 +23,7 @@ SIDES = np.uint8(255) - POINT
 """The bits of a mark that tell of its side: a place where borders cross is no point of a scan."""
 
 
-@dataclass(frozen=True, slots=True, eq=False)
-class Seams:
+class Seams(NamedTuple):
     """Places on the sides of a border; each leads along its ring to the next, `after` (places,).
 
     `side` is the vertex before each place. The vertices from a place to the next are in two runs

@@ -128,8 +128,8 @@ class Window:
         at = self.x.quick(offsets.u, centre[0]) + self.y.quick(offsets.v, centre[1])
         unsure = (at < 0).nonzero()[0]
         if len(unsure):
-            at[unsure] = self.x.exact(centre[0] + offsets.x[unsure])
-            at[unsure] += self.y.exact(centre[1] + offsets.y[unsure])
+            x, y = centre[0] + offsets.x[unsure], centre[1] + offsets.y[unsure]
+            at[unsure] = self.x.exact(x) + self.y.exact(y)
         return self.table.take(at)
 
 

@@ -195,6 +195,8 @@ def _places(numbers: Integers) -> dict[int, Integers]:
     """Return where each number stands in an array, ascending."""
     if len(numbers) == 0:
         return {}
+    if (numbers == numbers[0]).all():
+        return {int(numbers[0]): np.arange(len(numbers))}
     order = numbers.argsort(kind="stable")
     ordered = numbers[order]
     first = [0, *((ordered[1:] != ordered[:-1]).nonzero()[0] + 1).tolist(), len(order)]
