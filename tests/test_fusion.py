@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections import Counter
 from collections.abc import Iterator
 from pathlib import Path
+from random import Random
 
 import numpy as np
 import pytest
@@ -13,6 +14,7 @@ from hypothesis import given
 from shapely import MultiPolygon, Polygon, box
 
 from semtopo import fusion
+from semtopo.border import in_order
 from semtopo.course import UnclearError
 from semtopo.formats import read_path, read_world
 from semtopo.fusion import Extent, fuse
@@ -23,6 +25,7 @@ from semtopo.sensor import Sensor
 from semtopo.types import MappingOptions, Occupancy
 from semtopo.zones import Zone, extract
 from tests.extents import all_around, claims_of
+from tests.regions import grid, stars, tiles, turned_grid
 from tests.strategies import Scene, many, quick, scenes
 
 EXAMPLE = Path(__file__).parents[1] / "examples" / "paper"
@@ -189,3 +192,25 @@ def test_of_two_claims_on_one_place_the_greater_holds() -> None:
         assert claims[0, 0] is one
         assert claims[2, 0] is other
         assert claims.get((1, 0), Occupancy.OBSTACLE) is Occupancy.OBSTACLE
+
+
+def test_a_region_is_made_from_its_border() -> None:
+    parts, holes = 0, 0
+    for draw in (stars, grid, turned_grid, tiles):
+        for seed in range(10):
+            known = Extent.of(draw(Random(seed)))
+            made = Extent(known.border).region
+            assert made.wkb == known.region.wkb
+            rings = Random(seed).sample(range(_rings(known)), _rings(known))
+            shuffled = known.border.in_order(rings)
+            assert shapely.normalize(Extent(in_order(shuffled)).region).equals(
+                shapely.normalize(known.region)
+            )
+            parts += len(shapely.get_parts(made)) > 1
+            holes += _rings(known) > len(shapely.get_parts(made))
+    assert parts > 5
+    assert holes > 5
+
+
+def _rings(extent: Extent) -> int:
+    return len(extent.border.begins) - 1

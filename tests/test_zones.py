@@ -17,6 +17,7 @@ from semtopo.scan import Scan
 from semtopo.sensor import Sensor
 from semtopo.strips import find_strips
 from semtopo.types import Edges, Kind, MappingOptions, Occupancy, Pose
+from semtopo.world import World, WorldZone
 from semtopo.zones import SensorMap, Zone, extract
 from tests import oracle
 from tests.extents import claims_of
@@ -82,6 +83,18 @@ def test_extraction_from_worlds_equals_the_oracles(scene: Scene, chosen: Mapping
         found = extract(scan_world(scene.world, scene.sensor, position), chosen)
         wanted = oracle.extract(oracle.analyse(scene.world, scene.sensor, position), chosen)
         check_against(wanted, found)
+
+
+@pytest.mark.parametrize("beams", [3, 8, 72])
+def test_a_scan_that_goes_all_around_equals_the_oracles(beams: int) -> None:
+    room = World([WorldZone("A", Kind.SPACE, (0.0, 0.0), (9.0, 5.0))])
+    sensor, chosen = Sensor(beams, 2.0, 20), MappingOptions()
+    for position in ((4.0, 2.5), (1.0, 1.5), (8.5, 4.75)):
+        scan = scan_world(room, sensor, position)
+        assert len(scan.intervals) == beams  # one on each beam, from the robot
+        found = extract(scan, chosen)
+        assert [sector.closed for zone in found.zones for sector in zone.sectors] == [True]
+        check_against(oracle.extract(oracle.analyse(room, sensor, position), chosen), found)
 
 
 @quick
