@@ -8,7 +8,7 @@ given before it is handed out: it lies in the region, and keeps its distance fro
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from functools import cached_property
 
 import shapely
@@ -19,7 +19,7 @@ from semtopo.errors.ways import NotConnectedError, OutsideError, TooNarrowError,
 from semtopo.geometry import Region, nearest_point, widest_place
 from semtopo.inset import inset, sides
 from semtopo.taut import shortest_polyline
-from semtopo.triangulation import Triangulation, triangulate
+from semtopo.triangulation import TOUCHING, Triangulation, triangulate
 from semtopo.types import Point
 
 SNAP = 1e-4
@@ -46,6 +46,7 @@ class FreeSpace:
 
     region: Region
     radius: float = 0.0
+    _meshes: dict[int, Triangulation] = field(default_factory=dict)
 
     @cached_property
     def inset(self) -> Region:
@@ -86,8 +87,12 @@ class FreeSpace:
             If the path found does not pass its check.
         """
         begin, end = self._entered(start, "start"), self._entered(goal, "goal")
-        points = shortest_polyline(self._mesh, begin, end)
-        return None if points is None else self._proved(points)
+        ways = (
+            shortest_polyline(self._mesh(part), begin, end)
+            for part in sorted(self._parts_at(begin) & self._parts_at(end))
+        )
+        paths = [self._proved(points) for points in ways if points is not None]
+        return min(paths, key=lambda path: path.length, default=None)
 
     def distance(self, start: Point, goal: Point) -> float:
         """Return the length in m of the shortest path from start to goal; raises as `path` does."""
@@ -108,8 +113,18 @@ class FreeSpace:
         return float(distance[0])
 
     @cached_property
-    def _mesh(self) -> Triangulation:
-        return triangulate(self.inset)
+    def _parts(self) -> STRtree:
+        return STRtree(shapely.get_parts(self.inset))
+
+    def _parts_at(self, place: Point) -> set[int]:
+        """Return the parts of the inset, by number, that a place of it lies in."""
+        found = self._parts.query(shapely.Point(place), predicate="dwithin", distance=TOUCHING)
+        return set(found.tolist())
+
+    def _mesh(self, part: int) -> Triangulation:
+        if part not in self._meshes:
+            self._meshes[part] = triangulate(self._parts.geometries[part])
+        return self._meshes[part]
 
     @cached_property
     def _walls(self) -> STRtree:

@@ -58,7 +58,9 @@ def joined(polygons: Polygons) -> Region:
     wider apart stays apart.
     """
     grown = shapely.buffer(polygons, GAP / 2, join_style="mitre")
-    return polygonal(shapely.buffer(shapely.union_all(grown), -GAP / 2, join_style="mitre"))
+    largest = int(np.argmax(shapely.get_num_coordinates(grown)))
+    whole = shapely.union(grown[largest], shapely.union_all(np.delete(grown, largest)))  # once
+    return polygonal(shapely.buffer(whole, -GAP / 2, join_style="mitre"))
 
 
 def groups_touching(probes: Polygons, others: Polygons | None = None) -> list[list[int]]:

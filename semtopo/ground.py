@@ -11,6 +11,7 @@ import math
 from collections.abc import Sequence
 from dataclasses import dataclass, field
 from functools import cached_property, lru_cache
+from typing import NamedTuple
 from weakref import WeakKeyDictionary
 
 import numpy as np
@@ -18,9 +19,10 @@ import shapely
 from shapely import LineString
 
 from semtopo.doorways import Doorway
+from semtopo.ellipse import clipped, ellipse
 from semtopo.errors import SemtopoError
 from semtopo.freespace import FreeSpace
-from semtopo.geometry import Region, joined, nearest_point, widest_place
+from semtopo.geometry import TOUCH, Polygons, Region, joined, nearest_point, widest_place
 from semtopo.metric import MappedZone, MetricMap
 from semtopo.types import Point
 
@@ -30,25 +32,49 @@ LENGTHS_KEPT = 10_000
 SPACES_KEPT = 256
 """Free spaces in memory, of all zones; each is a triangulation."""
 
+BREADTH = 1.0
+"""m; of the ellipse in which a way is looked for first."""
+
+WIDER = 3
+"""Times; so much broader it becomes, if there is no way in it."""
+
+LEAST_WORK = 100
+"""Vertices; a window with few of them takes as long as with so many."""
+
 MAPS_KEPT = 16
 """Maps in memory whose doorways are listed by zone."""
 
 
-@dataclass(frozen=True, eq=False)
+@dataclass(eq=False)
 class Ground:
-    """A zone and the doorways at it, in m, map frame."""
+    """A zone and the doorways at it, in m, map frame.
+
+    A way is first looked for near the straight one, where the ground is made free space for it
+    alone; all of it is made free space when that would have been less work.
+    """
 
     zone: Region
     doorways: tuple[Doorway, ...]
     _lengths: dict[tuple[Point, Point], float] = field(default_factory=dict)
+    _spent: int = 0
+
+    @cached_property
+    def parts(self) -> Polygons:
+        """The regions of the zone and its doorways."""
+        doors = (doorway.region for doorway in self.doorways)
+        return np.array([self.zone, *doors], dtype=np.object_)
 
     @cached_property
     def region(self) -> Region:
         """The zone and its doorways as one region."""
-        parts = [self.zone, *(doorway.region for doorway in self.doorways)]
-        region = joined(np.array(parts, dtype=np.object_))
+        region = joined(self.parts)
         shapely.prepare(region)
         return region
+
+    @cached_property
+    def size(self) -> int:
+        """How many vertices there are in all."""
+        return int(shapely.get_num_coordinates(self.parts).sum())
 
     @cached_property
     def widest_place(self) -> Point:
@@ -66,15 +92,47 @@ class Ground:
 
     def _measured(self, start: Point, end: Point) -> float:
         straight = math.dist(start, end)
-        line = LineString([start, end])
-        if straight == 0 or self.zone.covers(line) or self.region.covers(line):
+        if straight == 0 or self.zone.covers(LineString([start, end])):
             return straight
-        enter, leave = (nearest_point(self.region, point) for point in (start, end))
-        try:
-            inside = _space(self).distance(enter, leave)
-        except SemtopoError:
-            return straight
-        return max(straight, math.dist(start, enter) + inside + math.dist(leave, end))
+        length = math.hypot(straight, BREADTH)
+        while self._spent < self.size:
+            parts = clipped(self.parts, ellipse(start, end, length))
+            self._spent += LEAST_WORK + int(shapely.get_num_coordinates(parts).sum())
+            leg = _leg(FreeSpace(joined(parts)), start, end) if len(parts) else None
+            if leg is not None and leg.proof <= length:
+                return leg.length
+            wider = WIDER * math.sqrt(length**2 - straight**2)
+            length = math.hypot(straight, wider) if leg is None else leg.proof + TOUCH
+        leg = _leg(_space(self), start, end)
+        return straight if leg is None else leg.length
+
+
+class _Leg(NamedTuple):
+    """A way in m, and how long ways must be looked for to know that none is shorter."""
+
+    length: float
+    proof: float
+
+
+def _leg(space: FreeSpace, start: Point, end: Point) -> _Leg | None:
+    """Return the way through free space from where it is nearest to the start, and so at the end.
+
+    The circles around both ends with nothing of free space in them are in the ellipse, too, if its
+    axis is longer than the straight way by their diameters.
+    """
+    straight = math.dist(start, end)
+    if space.region.covers(LineString([start, end])):
+        return _Leg(straight, straight)
+    enter, leave = (nearest_point(space.region, point) for point in (start, end))
+    try:
+        path = space.find(enter, leave)
+    except SemtopoError:
+        return None
+    if path is None:
+        return None
+    before, after = math.dist(start, enter), math.dist(leave, end)
+    length = max(straight, before + path.length + after)
+    return _Leg(length, max(length, straight + 2 * before, straight + 2 * after))
 
 
 @lru_cache(maxsize=SPACES_KEPT)

@@ -54,15 +54,12 @@ class _Search:
         self.turned: dict[tuple[int, bool], float] = {}
         self.views: list[View] = []
         self.best, self.last = math.inf, NO_VERTEX
-        self.ends = set(mesh.locate(goal))
+        self.starts, self.ends = mesh.locate(start), set(mesh.locate(goal))
+        self.passed = self.ways_out([*self.starts, *self.ends])
 
     def run(self) -> None:
         """Follow views until none can lead to a shorter path."""
-        parts = self.mesh.parts
-        starts = self.mesh.locate(self.points[self.root])
-        if not {parts[one] for one in starts} & {parts[one] for one in self.ends}:
-            return
-        self.begin(starts)
+        self.begin()
         while self.views:
             least, length, root, edge, left, right = heappop(self.views)
             if least >= self.best:
@@ -83,10 +80,23 @@ class _Search:
         bends = [one for one, other in zip(points[1:], points, strict=False) if one != other]
         return [*reversed(bends), self.goal] if bends else [start, self.goal]
 
-    def begin(self, starts: list[int]) -> None:
+    def ways_out(self, triangles: list[int]) -> set[int]:
+        """Return the triangles by which one gets from some out of dead ends; others are no way."""
+        mesh, found = self.mesh, set[int]()
+        for triangle in triangles:
+            here = triangle
+            while here not in found:
+                found.add(here)
+                exit_ = mesh.exits[here]
+                if exit_ == WALL:
+                    break
+                here = mesh.twins[exit_] // 3
+        return found
+
+    def begin(self) -> None:
         """Look out of every triangle that the start lies in."""
         mesh, root = self.mesh, self.root
-        for triangle in starts:
+        for triangle in self.starts:
             if triangle in self.ends:
                 self.arrive(0.0, root)
             for edge in range(3 * triangle, 3 * triangle + 3):
@@ -108,7 +118,7 @@ class _Search:
 
     def look(self, length: float, root: int, edge: int, left: Bound, right: Bound) -> None:
         """Open a view through a half-edge, unless it is a wall or cannot lead to a better path."""
-        if edge == WALL:
+        if edge == WALL or (self.mesh.exits[edge // 3] != WALL and edge // 3 not in self.passed):
             return
         x, y = self.points[root]
         dx, dy = self.goal[0] - x, self.goal[1] - y

@@ -32,7 +32,8 @@ class Triangulation:
     """Triangles of a region, as half-edges; its vertices are `points` in m, map frame.
 
     `corners` says of each vertex whether a shortest path may bend there: the region's angle at it
-    is above 180 degrees. `parts` says of each triangle to which part of the region it belongs.
+    is above 180 degrees. `exits` says of each triangle in a dead end by which of its half-edges one
+    gets out, WALL if it is in none: from there, nothing lies beyond it that does not come back.
     """
 
     points: list[Point]
@@ -41,7 +42,7 @@ class Triangulation:
     preceding: list[int]
     twins: list[int]
     corners: list[bool]
-    parts: Integers
+    exits: list[int]
     sides: Floats
     """Of each triangle, its three sides as lines a x + b y + c, distances in m: (n, 3, 3); x and y
     count from the first of all points."""
@@ -56,7 +57,7 @@ class Triangulation:
 
 def triangulate(region: Region) -> Triangulation:
     """Return the triangulation of a region; parts that meet in a point are not joined there."""
-    corners, parts = _triangles(region)
+    corners = _triangles(region)
     _, first, flat = np.unique(as_complex(corners), return_index=True, return_inverse=True)
     points, origins = corners.reshape(-1, 2)[first], flat.reshape(-1)
     count = len(origins)
@@ -65,19 +66,19 @@ def triangulate(region: Region) -> Triangulation:
     return Triangulation(
         list(zip(*points.T.tolist(), strict=True)), origins.tolist(), following.tolist(),
         np.arange(count).reshape(-1, 3)[:, [2, 0, 1]].reshape(-1).tolist(), twins.tolist(),
-        _bends(points, origins, following, twins).tolist(), parts, _side_lines(corners - points[0]),
+        _bends(points, origins, following, twins).tolist(), _exits(twins.tolist()),
+        _side_lines(corners - points[0]),
     )  # fmt: skip
 
 
-def _triangles(region: Region) -> tuple[Floats, Integers]:
-    """Return the triangles (n, 3, 2) of a region, counter-clockwise, and the part of each (n,)."""
+def _triangles(region: Region) -> Floats:
+    """Return the triangles (n, 3, 2) of a region, counter-clockwise."""
     cut = shapely.constrained_delaunay_triangles(shapely.get_parts(region))
-    pieces, parts = shapely.get_parts(cut, return_index=True)
-    corners = shapely.get_coordinates(pieces).reshape(-1, 4, 2)[:, :3]
+    corners = shapely.get_coordinates(shapely.get_parts(cut)).reshape(-1, 4, 2)[:, :3]
     one, other = corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0]
     clockwise = one[:, 0] * other[:, 1] < one[:, 1] * other[:, 0]
     corners[clockwise] = corners[clockwise][:, ::-1]
-    return corners, parts
+    return corners
 
 
 def _twins(starts: Integers, ends: Integers, count: int) -> Integers:
@@ -100,6 +101,24 @@ def _bends(points: Floats, origins: Integers, following: Integers, twins: Intege
     flags = np.bincount(starts, minlength=len(points)) > 1
     flags[ends] |= one[:, 0] * other[:, 1] - one[:, 1] * other[:, 0] < STRAIGHT
     return flags
+
+
+def _exits(twins: list[int]) -> list[int]:
+    """Return the way out of each dead end: triangles with one neighbour left go, one by one."""
+    count = len(twins) // 3
+    open_sides = [3 - twins[first : first + 3].count(WALL) for first in range(0, len(twins), 3)]
+    exits, gone = [WALL] * count, [False] * count
+    ends = [triangle for triangle in range(count) if open_sides[triangle] == 1]
+    for triangle in ends:
+        gone[triangle] = True
+        for edge in range(3 * triangle, 3 * triangle + 3):
+            beyond = twins[edge] // 3
+            if twins[edge] != WALL and not gone[beyond]:
+                exits[triangle] = edge
+                open_sides[beyond] -= 1
+                if open_sides[beyond] == 1:
+                    ends.append(beyond)
+    return exits
 
 
 def _side_lines(corners: Floats) -> Floats:

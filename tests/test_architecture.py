@@ -16,8 +16,9 @@ ROOT = Path(__file__).parents[1]
 
 LAYERS = [
     {"errors"}, {"types"}, {"geometry", "window"},
-    {"border", "fan", "inset", "triangulation", "world"}, {"traced"}, {"taut"}, {"bottleneck"},
-    {"freespace"}, {"sensor"}, {"scan"}, {"runs", "sector", "strips"}, {"course", "crossings"},
+    {"border", "ellipse", "fan", "inset", "triangulation", "world"}, {"traced"}, {"taut"},
+    {"bottleneck"}, {"freespace"}, {"sensor"}, {"scan"}, {"runs", "sector", "strips"},
+    {"course", "crossings"},
     {"doorways", "sweep"}, {"seams"}, {"fusion"}, {"zones"}, {"core"},
     {"metric"}, {"placement"},
     {"borders", "graph"}, {"findings"}, {"mapper"},

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from random import Random
 
+import networkx as nx
 import numpy as np
 import pytest
 from shapely import MultiPolygon, Polygon, box
@@ -42,7 +43,6 @@ def test_twins_run_along_each_other() -> None:
         assert mesh.twins[twin] == edge
         assert mesh.origins[twin] == mesh.origins[mesh.following[edge]]
         assert mesh.origins[mesh.following[twin]] == mesh.origins[edge]
-        assert mesh.parts[edge // 3] == mesh.parts[twin // 3]
 
 
 def test_half_edges_go_round_their_triangle() -> None:
@@ -51,6 +51,44 @@ def test_half_edges_go_round_their_triangle() -> None:
         assert mesh.preceding[mesh.following[edge]] == edge
         assert mesh.following[edge] // 3 == edge // 3
         assert mesh.following[mesh.following[mesh.following[edge]]] == edge
+
+
+def neighbours(mesh: Triangulation) -> nx.MultiGraph[int]:
+    """Return who lies beside whom."""
+    graph: nx.MultiGraph[int] = nx.MultiGraph()
+    graph.add_nodes_from(range(len(mesh.twins) // 3))
+    pairs = [(edge // 3, twin // 3) for edge, twin in enumerate(mesh.twins) if twin > edge]
+    graph.add_edges_from(pairs)
+    return graph
+
+
+@pytest.mark.parametrize("draw", DRAWS, ids=lambda draw: draw.__name__)
+def test_only_dead_ends_have_exits(draw: Draw) -> None:
+    """What is on no way round, and on none between two such, is a dead end but for one place."""
+    dead = 0
+    for seed in range(5):
+        mesh = triangulate(inset(draw(Random(seed)), 0))
+        graph = neighbours(mesh)
+        for part in nx.connected_components(graph):
+            core = set(nx.k_core(nx.Graph(graph.subgraph(part)), 2))
+            open_ones = {triangle for triangle in part if mesh.exits[triangle] == WALL}
+            assert open_ones == core if core else len(open_ones) == 1
+            dead += len(part - open_ones)
+    assert dead > 20
+
+
+def test_exits_lead_out_of_dead_ends() -> None:
+    mesh = triangulate(inset(stars(Random(3)), 0))
+    deepest = 0
+    for first in range(len(mesh.exits)):
+        triangle, passed = first, {first}
+        while mesh.exits[triangle] != WALL:
+            assert mesh.exits[triangle] // 3 == triangle
+            triangle = mesh.twins[mesh.exits[triangle]] // 3
+            assert triangle not in passed
+            passed.add(triangle)
+        deepest = max(deepest, len(passed))
+    assert deepest > 3
 
 
 @pytest.mark.parametrize(
