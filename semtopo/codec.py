@@ -6,9 +6,9 @@ frame; polygons follow RFC 7946 (GeoJSON), but for the frame.
 
 from __future__ import annotations
 
-from collections.abc import Collection, Mapping
+from collections.abc import Collection, Iterable, Mapping
 from dataclasses import asdict, fields, is_dataclass
-from typing import Any, TypeAlias
+from typing import Any, TypeAlias, TypeVar
 
 import orjson
 import shapely
@@ -16,9 +16,11 @@ from shapely import Polygon
 
 from semtopo.answers import Answer
 from semtopo.atlas import Limits
+from semtopo.doorways import Doorway
 from semtopo.geometry import Box, Region
 from semtopo.graph import (
     Event,
+    Node,
     NodeFound,
     NodeMerged,
     Passage,
@@ -34,6 +36,8 @@ from semtopo.route import Route
 Document: TypeAlias = dict[str, Any]
 """What orjson can write: a JSON object, numpy arrays among it."""
 
+Dated = TypeVar("Dated", Node, MappedZone, Doorway)
+
 
 def to_json(document: Document) -> bytes:
     """Return a document as JSON, in the one form used everywhere."""
@@ -41,16 +45,36 @@ def to_json(document: Document) -> bytes:
 
 
 def zones_body(
-    state: MapState, box: Box | None = None, notes: Mapping[str, ZoneNotes] | None = None
+    state: MapState,
+    box: Box | None = None,
+    notes: Mapping[str, ZoneNotes] | None = None,
+    since: int | None = None,
 ) -> bytes:
     """Return the zones of a map, those that meet `box` if there is one, as GeoJSON.
 
-    What people call a zone is said where it was noted, and only there.
+    What people call a zone is said where it was noted, and only there. With `since`, zones that
+    were as they are after that step are left out.
     """
-    features = [zone_feature(zone) for zone in zones_in(state, box)]
+    zones = zones_in(state, box)
+    features = [zone_feature(zone) for zone in changed_since(zones, since)]
     for feature in features if notes else ():
         feature["properties"] |= _noted(notes or {}, feature["id"])
-    return to_json({"type": "FeatureCollection", "seq": state.seq, "features": features})
+    return to_json(collection(state.seq, features, None if since is None else len(zones)))
+
+
+def collection(seq: int, features: list[Document], total: int | None = None) -> Document:
+    """Return features of a map after step `seq`; where only some are told, `total` counts all.
+
+    Whoever has those of step `since` adds what a later step changed. More than `total` of them are
+    there then if, and only if, some are gone.
+    """
+    counted = {} if total is None else {"total": total}
+    return {"type": "FeatureCollection", "seq": seq, **counted, "features": features}
+
+
+def changed_since(items: Iterable[Dated], since: int | None) -> list[Dated]:
+    """Return what a later step than `since` changed, in order; all if it is `None`."""
+    return [it for it in items if since is None or it.seq > since]
 
 
 def zones_in(state: MapState, box: Box | None) -> list[MappedZone]:
@@ -67,10 +91,12 @@ def graph_body(
     seq: int,
     notes: Mapping[str, ZoneNotes] | None = None,
     limits: Limits | None = None,
+    since: int | None = None,
 ) -> bytes:
     """Return a graph as it is after step `seq`: nodes, and edges with their passage points.
 
-    What is noted, closed or has a factor says so, and only that.
+    What is noted, closed or has a factor says so, and only that. With `since`, what was there after
+    that step is left out, and `total` says how many there are, as in `collection`.
     """
     known, limit = notes or {}, limits or Limits()
     nodes = [
@@ -80,7 +106,7 @@ def graph_body(
             **_noted(known, node.zone_id),
             **_limited(node.zone_id, limit.closed_zones, limit.zone_factors),
         }
-        for node in graph.nodes.values()
+        for node in changed_since(graph.nodes.values(), since)
     ]
     edges = [
         {
@@ -88,8 +114,11 @@ def graph_body(
             **_limited(edge.key, limit.closed_passages, limit.passage_factors),
         }
         for edge in graph.passages.values()
+        if since is None or max(edge.seq, edge.moved) > since
     ]
-    return to_json({"seq": seq, "nodes": nodes, "edges": edges})
+    sizes = {"nodes": len(graph.nodes), "edges": len(graph.passages)}
+    counted = {} if since is None else {"total": sizes}
+    return to_json({"seq": seq, **counted, "nodes": nodes, "edges": edges})
 
 
 def _noted(notes: Mapping[str, ZoneNotes], zone_id: str) -> Document:

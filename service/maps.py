@@ -53,11 +53,21 @@ class Moment:
         """Return the map with its notes."""
         return self.notes.atlas(state, self.now)
 
-    def graph_body(self) -> bytes:
-        """Return the graph with its notes; that of today knows what it was at earlier steps."""
+    def graph_body(self, since: int | None = None) -> bytes:
+        """Return the graph with its notes, or what a step after `since` changed of it.
+
+        The graph of today knows what it was at earlier steps.
+        """
         graph = self.hot.state.graph.at(self.seq)
         atlas = self.atlas(replace(self.hot.state, seq=self.seq, graph=graph))
-        return graph_body(graph, self.seq, atlas.notes, atlas.limits)
+        return graph_body(graph, self.seq, atlas.notes, atlas.limits, taken(since, self.seq))
+
+
+def taken(since: int | None, seq: int) -> int | None:
+    """Return the step after which changes are asked for; raises UnknownStepError if after `seq`."""
+    if since is not None and since > seq:
+        raise UnknownStepError(f"there is no step {since} here, the last is {seq}")
+    return since
 
 
 class Maps:
@@ -95,13 +105,13 @@ class Maps:
             self._bodies.put((moment.tag, kind), body)
         return body
 
-    async def graph(self, session_id: str, at: int | None) -> Body:
-        """Return the graph of a map: now, or as of step `at`."""
+    async def graph(self, session_id: str, at: int | None, since: int | None = None) -> Body:
+        """Return the graph of a map, now or as of step `at`; or what changed after `since`."""
         moment = await self.moment(session_id, at)
-        key = (moment.tag, "graph")
+        key = (moment.tag, f"graph {since}")
         body = self._bodies.get(key)
         if body is None:
-            content = await asyncio.to_thread(moment.graph_body)
+            content = await asyncio.to_thread(moment.graph_body, since)
             body = Body(content, moment.tag)
             self._bodies.put(key, body)
         return body

@@ -137,6 +137,15 @@ Tolerance = Annotated[
 AtStep = Annotated[
     int | None, Query(alias="at", ge=0, le=SEQ_MAX, description="as of this step; now if left out")
 ]
+SinceStep = Annotated[
+    int | None,
+    Query(
+        alias="since",
+        ge=0,
+        le=SEQ_MAX,
+        description="only what later steps changed, and in `total` how many there are",
+    ),
+]
 AfterStep = Annotated[int, Query(alias="after", ge=0, le=SEQ_MAX)]
 Limit = Annotated[int, Query(ge=1, le=1_000)]
 ZoneName = Annotated[str, Query(min_length=1, max_length=LABEL_LENGTH_MAX)]

@@ -10,7 +10,15 @@ import orjson
 import shapely
 
 from semtopo.borders import BorderPiece, PiecedBorder, border_pieces, reduced
-from semtopo.codec import Document, region_document, to_json, zone_feature, zones_in
+from semtopo.codec import (
+    Document,
+    changed_since,
+    collection,
+    region_document,
+    to_json,
+    zone_feature,
+    zones_in,
+)
 from semtopo.doorways import Doorway, DoorwayKey, Doorways
 from semtopo.errors import InvalidMapError
 from semtopo.exports.chart import Chart
@@ -18,31 +26,41 @@ from semtopo.fusion import Extent
 from semtopo.geometry import Box, Region, polygonal
 from semtopo.graph import Passage
 from semtopo.mapper import MapState
+from semtopo.metric import MappedZone
 from semtopo.types import Occupancy
 
 NUMBER_MAX = 10_000
 """Of a doorway that is read back: so many between two zones are no map."""
 
 
-def borders_body(state: MapState, box: Box | None = None, tolerance: float = 0.0) -> bytes:
+def borders_body(
+    state: MapState, box: Box | None = None, tolerance: float = 0.0, since: int | None = None
+) -> bytes:
     """Return the borders of all zones, piece by piece: walls, passages and frontiers.
 
     A frontier is a piece with occupancy `free`. With `box`, in m: of the zones that meet it. Lines
-    have no more points than it takes to stay within `tolerance`, in m.
+    have no more points than it takes to stay within `tolerance`, in m. With `since`: of the zones
+    that a later step changed; `total` counts the zones.
     """
-    return _collection(state, border_features(state, box, tolerance))
+    zones = zones_in(state, box)
+    features = _borders_of(changed_since(zones, since), tolerance)
+    return to_json(collection(state.seq, features, None if since is None else len(zones)))
 
 
-def doorways_body(state: MapState, box: Box | None = None, tolerance: float = 0.0) -> bytes:
+def doorways_body(
+    state: MapState, box: Box | None = None, tolerance: float = 0.0, since: int | None = None
+) -> bytes:
     """Return the doorways of a map: the free ground between two zones, which belongs to neither.
 
-    With `box`, in m: those that meet it. Outlines are as those of `borders_body`.
+    With `box`, in m: those that meet it. Outlines are as those of `borders_body`. With `since`:
+    those that a later step changed, and `total`, how many there are.
     """
-    found: Iterable[Doorway] = state.metric.doorways.values()
+    found = list(state.metric.doorways.values())
     if box is not None:
         window = shapely.box(*box)
         found = [doorway for doorway in found if doorway.region.intersects(window)]
-    return _collection(state, (_doorway(doorway, tolerance) for doorway in found))
+    features = [_doorway(doorway, tolerance) for doorway in changed_since(found, since)]
+    return to_json(collection(state.seq, features, None if since is None else len(found)))
 
 
 def _doorway(doorway: Doorway, tolerance: float = 0.0) -> Document:
@@ -155,15 +173,18 @@ def geojson_body(chart: Chart) -> bytes:
         "passage": map(_passage, state.graph.passages.values()),
         "frontier": (it for it in chart.borders if it["properties"]["occupancy"] == "free"),
     }
-    features = (_of_layer(layer, it) for layer, found in layers.items() for it in found)
-    return _collection(state, features)
+    features = [_of_layer(layer, it) for layer, found in layers.items() for it in found]
+    return to_json(collection(state.seq, features))
 
 
 def border_features(
     state: MapState, box: Box | None = None, tolerance: float = 0.0
 ) -> list[Document]:
     """Return what `borders_body` holds."""
-    zones = zones_in(state, box)
+    return _borders_of(zones_in(state, box), tolerance)
+
+
+def _borders_of(zones: Iterable[MappedZone], tolerance: float) -> list[Document]:
     found = [(zone.zone_id, piece) for zone in zones for piece in border_pieces(zone)]
     pieces = [piece for _, piece in found]
     drawn = reduced(pieces, tolerance) if tolerance else pieces
@@ -186,10 +207,6 @@ def _passage(passage: Passage) -> Document:
             "seq": passage.seq,
         },
     }
-
-
-def _collection(state: MapState, features: Iterable[Document]) -> bytes:
-    return to_json({"type": "FeatureCollection", "seq": state.seq, "features": list(features)})
 
 
 def _border(zone_id: str, piece: BorderPiece) -> Document:

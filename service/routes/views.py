@@ -8,11 +8,13 @@ from fastapi import APIRouter, Request, Response
 
 from semtopo.exports.geojson import borders_body, doorways_body
 from service.arguments import DirectRoute
+from service.maps import taken
 from service.parameters import (
     AtStep,
     BoundingBox,
     IfNoneMatch,
     SessionId,
+    SinceStep,
     Tolerance,
     bounding_box,
     maps_of,
@@ -37,7 +39,7 @@ UNCHANGED: dict[int | str, dict[str, Any]] = {304: {"description": "unchanged"}}
     response_class=GeoJsonBytes,
     responses=UNCHANGED,
 )
-async def read_borders(
+async def read_borders(  # noqa: PLR0913 -- one for each parameter of HTTP
     request: Request,
     session_id: SessionId,
     if_none_match: IfNoneMatch = None,
@@ -45,12 +47,15 @@ async def read_borders(
     at: AtStep = None,
     *,
     tolerance: Tolerance = 0.0,
+    since: SinceStep = None,
 ) -> Response:
     """Read the borders of all zones as GeoJSON lines: walls, passages and frontiers (`free`)."""
     chosen = bounding_box(box)
     body = await maps_of(request).view(
-        session_id, at, f"borders {chosen} {tolerance}",
-        lambda atlas: borders_body(atlas.state, chosen, tolerance),
+        session_id, at, f"borders {chosen} {tolerance} {since}",
+        lambda atlas: borders_body(
+            atlas.state, chosen, tolerance, taken(since, atlas.state.seq)
+        ),
     )  # fmt: skip
     return unless_known(GeoJsonBytes, body, if_none_match)
 
@@ -61,7 +66,7 @@ async def read_borders(
     response_class=GeoJsonBytes,
     responses=UNCHANGED,
 )
-async def read_doorways(
+async def read_doorways(  # noqa: PLR0913 -- one for each parameter of HTTP
     request: Request,
     session_id: SessionId,
     if_none_match: IfNoneMatch = None,
@@ -69,11 +74,14 @@ async def read_doorways(
     at: AtStep = None,
     *,
     tolerance: Tolerance = 0.0,
+    since: SinceStep = None,
 ) -> Response:
     """Read the doorways as GeoJSON: the free ground between two zones, which belongs to neither."""
     chosen = bounding_box(box)
     body = await maps_of(request).view(
-        session_id, at, f"doorways {chosen} {tolerance}",
-        lambda atlas: doorways_body(atlas.state, chosen, tolerance),
+        session_id, at, f"doorways {chosen} {tolerance} {since}",
+        lambda atlas: doorways_body(
+            atlas.state, chosen, tolerance, taken(since, atlas.state.seq)
+        ),
     )  # fmt: skip
     return unless_known(GeoJsonBytes, body, if_none_match)

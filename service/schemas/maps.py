@@ -26,10 +26,18 @@ class GraphEdge(BaseModel):
     seq: int
 
 
+class GraphSizes(BaseModel):
+    """How many nodes and edges a graph has."""
+
+    nodes: int
+    edges: int
+
+
 class GraphAnswer(BaseModel):
-    """The topology graph after step `seq`."""
+    """The topology graph after step `seq`; with `since` what changed, and `total`, of all."""
 
     seq: int
+    total: GraphSizes | None = None
     nodes: list[GraphNode]
     edges: list[GraphEdge]
 
@@ -67,10 +75,11 @@ class ZoneFeature(BaseModel):
 
 
 class ZonesAnswer(BaseModel):
-    """The metric map after step `seq`, as GeoJSON."""
+    """The metric map after step `seq`, as GeoJSON; `total` as in the graph."""
 
     type: Literal["FeatureCollection"]
     seq: int
+    total: int | None = None
     features: list[ZoneFeature]
 
 
@@ -97,10 +106,11 @@ class BorderFeature(BaseModel):
 
 
 class BordersAnswer(BaseModel):
-    """The borders of all zones after step `seq`, as GeoJSON."""
+    """The borders of all zones after step `seq`, as GeoJSON; `total` counts zones."""
 
     type: Literal["FeatureCollection"]
     seq: int
+    total: int | None = None
     features: list[BorderFeature]
 
 
@@ -127,4 +137,5 @@ class DoorwaysAnswer(BaseModel):
 
     type: Literal["FeatureCollection"]
     seq: int
+    total: int | None = None
     features: list[DoorwayFeature]

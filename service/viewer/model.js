@@ -150,7 +150,7 @@ function ofLength(paths, line) {
 export function doorwaysOf(body) {
   return body.features.map((/** @type {any} */ { properties, geometry }) => {
     const rings = ringsOf(geometry);
-    return { ends: properties.ends, since: properties.since, box: growBox(noBox(), rings.flat()), path: pathOf(rings) };
+    return { name: JSON.stringify([...properties.ends, properties.number]), since: properties.since, box: growBox(noBox(), rings.flat()), path: pathOf(rings) };
   });
 }
 

@@ -1,8 +1,10 @@
 /** Maps as they were at steps: those that were read are kept for a while, and zones shared among them. */
 
 import { graphOf, zonesOf } from "./model.js";
+import { added, changed } from "./since.js";
 
 const KEPT = 60;
+const SPARE = 500; // zones of moments that are no longer kept, before they are let go
 
 /**
  * @typedef {object} Moment what is known of a map at one step
@@ -22,6 +24,25 @@ export class Moments {
     this.numbers = new Map();
     /** @type {Map<number, Moment>} the one that was used last is the last */
     this.kept = new Map();
+    /** @type {Moment | null} the newest that was read */
+    this.newest = null;
+    this.knownMax = SPARE;
+  }
+
+  /** Read the newest map: what changed since it was read last, or all of it. @returns {Promise<Moment>} */
+  async readNewest() {
+    this.newest = (await this.readChanges()) ?? (await this.read(""));
+    return this.newest;
+  }
+
+  /** @returns {Promise<Moment | null>} nothing if there is nothing to add to, or zones are gone */
+  async readChanges() {
+    const { newest } = this;
+    if (!newest) return null;
+    const [body, sight] = await Promise.all([changed(this.get, `/zones?since=${newest.seq}`), this.get("/scan")]);
+    if (!body) return null;
+    const zones = added(newest.zones, zonesOf(body, this.known, this.numbers), (zone) => zone.id, body.total);
+    return zones && this.keep({ seq: body.seq, zones, sight });
   }
 
   /**
@@ -31,9 +52,13 @@ export class Moments {
   async read(query, signal, withGraph = false) {
     const parts = ["/zones", "/scan", ...(withGraph ? ["/graph"] : [])];
     const [zones, sight, graph] = await Promise.all(parts.map((part) => this.get(part + query, signal)));
-    const moment = {
+    return this.keep({
       seq: zones.seq, zones: zonesOf(zones, this.known, this.numbers), sight, ...(graph ? { graph: graphOf(graph) } : {}),
-    };
+    });
+  }
+
+  /** @param {Moment} moment @returns {Moment} */
+  keep(moment) {
     this.kept.set(moment.seq, moment);
     this.forget();
     return moment;
@@ -45,9 +70,10 @@ export class Moments {
       if (this.kept.size <= KEPT) break;
       this.kept.delete(seq);
     }
-    const used = new Set([...this.kept.values()].flatMap((moment) => moment.zones));
-    if (this.known.size < 2 * used.size + 500) return;
+    if (this.known.size < this.knownMax) return;
+    const used = new Set([...this.kept.values(), ...(this.newest ? [this.newest] : [])].flatMap((moment) => moment.zones));
     for (const [key, zone] of this.known) if (!used.has(zone)) this.known.delete(key);
+    this.knownMax = 2 * used.size + SPARE;
   }
 
   /** @param {number} seq @returns {Moment | undefined} */

@@ -5,6 +5,7 @@ import { Closings } from "./closings.js";
 import { complain } from "./dom.js";
 import { graphOf, worldOf } from "./model.js";
 import { Moments } from "./moments.js";
+import { changed, graphAfter } from "./since.js";
 import { Store } from "./store.js";
 import { follow } from "./stream.js";
 
@@ -73,7 +74,7 @@ export class Session {
   /** Read what is needed to see something, then the rest, then follow. */
   async open() {
     const [session, moment, graph] = await Promise.all([
-      this.get(""), this.moments.read(""), this.get("/graph"),
+      this.get(""), this.moments.readNewest(), this.get("/graph"),
     ]);
     const { seq } = moment;
     this.store.set({ session, seq, graph: graphOf(graph), moment });
@@ -170,11 +171,17 @@ export class Session {
   }
 
   async readNewest() {
-    const wanted = this.graphIsOld ? this.get("/graph") : null;
-    const [moment, graph] = await Promise.all([this.moments.read(""), wanted]);
-    if (graph) this.store.set({ graph: graphOf(graph) });
+    const [moment] = await Promise.all([this.moments.readNewest(), this.graphIsOld ? this.readGraph() : null]);
     if (this.graphIsOld) this.dirty = true;
     if (this.state.at === null) this.store.set({ moment, exact: this.isNewest(moment) });
+  }
+
+  /** Read what changed of the graph, or all of it, unless somebody else did meanwhile. */
+  async readGraph() {
+    const known = this.state.graph;
+    const body = await changed((rest) => this.get(rest), `/graph?since=${known.seq}`);
+    const graph = (body && graphAfter(known, body)) ?? graphOf(await this.get("/graph"));
+    if (this.state.graph === known) this.store.set({ graph });
   }
 
   /**

@@ -8,6 +8,7 @@
 
 import { complain } from "./dom.js";
 import { bordersOf, doorwaysOf } from "./model.js";
+import { added, changed } from "./since.js";
 
 const WHOLE_MAX = 100; // zones; so few are read at once
 const DRAWN_PIXELS = 0.5; // what is nearer to a line cannot be told from it
@@ -29,6 +30,8 @@ export class Walls {
     /** @type {any[]} */
     this.doorways = [];
     this.asked = "";
+    /** @type {{query: string, seq: number} | null} what was read last of the newest map */
+    this.last = null;
     this.tolerance = 0;
     this.timer = 0;
     /** @type {{moment: import("./moments.js").Moment, query: URLSearchParams, tolerance: number} | null} */
@@ -87,10 +90,17 @@ export class Walls {
 
   /** @param {import("./moments.js").Moment} moment @param {URLSearchParams} query @param {number} tolerance @param {AbortSignal} signal */
   async read(moment, query, tolerance, signal) {
+    const since = this.last?.query === String(query) ? `&since=${this.last.seq}` : "";
     const [borders, doorways] = await Promise.all(
-      ["borders", "doorways"].map((part) => this.get(`/${part}?${query}`, signal)));
+      ["borders", "doorways"].map((part) => changed(this.get, `/${part}?${query}${since}`, signal)));
+    const news = doorways && doorwaysOf(doorways);
+    const all = news && since ? added(this.doorways, news, (one) => one.name, doorways.total) : news;
+    this.last = null;
+    if (since && !(borders && all)) return this.read(moment, query, tolerance, signal); // doorways are gone
+    if (!borders || !all) return; // the session is another one by now
     this.keep(bordersOf(borders), borders.seq === moment.seq ? moment.zones : [], tolerance);
-    this.doorways = doorwaysOf(doorways);
+    this.doorways = all;
+    if (!query.has("at")) this.last = { query: String(query), seq: Math.min(borders.seq, doorways.seq) };
     this.came();
   }
 

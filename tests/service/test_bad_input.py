@@ -335,6 +335,9 @@ QUERIES = [
     case("picture beyond", "/map.png?at=2", 404, "unknown_step"),
     case("picture of no route", "/map.png?from=A&to=corridor", 409, "no_route"),
     case("picture of nowhere", f"/map.svg?from={MARKER}&to=A", 404, "unknown_zone"),
+    *(case(f"{view} since {it}", f"/{view}?since={it}", 422, "invalid_request")
+      for view in ("zones", "graph", "borders", "doorways") for it in ("-1", "x", "2147483648")),
+    case("zones since the largest", "/zones?since=2147483647", 404, "unknown_step"),
     case("zones at the largest", "/zones?at=2147483647", 404, "unknown_step"),
     *(case(f"bbox {it}", f"/zones?bbox={it}", 422, "invalid_request")
       for it in ("", "1,2,3", "1,2,3,4,5", "a,b,c,d", "nan,0,1,1", "inf,0,1,1", "1e1,0,20,1",
