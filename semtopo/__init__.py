@@ -109,9 +109,10 @@ from semtopo.route import CostModel, Place, Route, RouteRequest, find_routes, wi
 from semtopo.runs import LabelledRuns, from_runs
 from semtopo.scan import Scan, analyse
 from semtopo.sensor import Measurement, Sensor, measure
+from semtopo.sensor_map import SensorMap, extract
 from semtopo.types import Edges, Identity, Kind, MappingOptions, Occupancy, Passages, Pose
 from semtopo.world import World, WorldZone
-from semtopo.zones import SensorMap, Zone, extract
+from semtopo.zones import Zone
 
 __all__ = [
     "AmbiguousQuestionError",

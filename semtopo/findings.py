@@ -29,8 +29,8 @@ from semtopo.graph import (
 )
 from semtopo.metric import here_first
 from semtopo.placement import Placement
+from semtopo.sensor_map import Link
 from semtopo.types import Passages
-from semtopo.zones import Link
 
 
 def extend(

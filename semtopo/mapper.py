@@ -16,9 +16,9 @@ from semtopo.metric import MetricMap
 from semtopo.placement import place
 from semtopo.scan import Scan, analyse
 from semtopo.sensor import Sensor, measure, trace
+from semtopo.sensor_map import extract
 from semtopo.types import MappingOptions, Point, Sensing
 from semtopo.world import World
-from semtopo.zones import extract
 
 
 class Stage(StrEnum):

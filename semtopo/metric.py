@@ -15,8 +15,9 @@ from semtopo.core import Core
 from semtopo.doorways import Doorways
 from semtopo.fusion import Extent, fuse
 from semtopo.geometry import Region
+from semtopo.sensor_map import SensorMap
 from semtopo.types import SeenName
-from semtopo.zones import SensorMap, Zone
+from semtopo.zones import Zone
 
 
 @dataclass(frozen=True, slots=True, eq=False, weakref_slot=True)

@@ -16,8 +16,9 @@ import numpy as np
 from semtopo.doorways import DoorwayKey
 from semtopo.geometry import Polygons, groups_touching
 from semtopo.metric import MappedZone, MetricMap, here_first
+from semtopo.sensor_map import SensorMap
 from semtopo.types import Identity, MappingOptions, SeenName
-from semtopo.zones import SensorMap, Zone
+from semtopo.zones import Zone
 
 
 @dataclass(frozen=True, slots=True, eq=False)

@@ -22,6 +22,8 @@ BELOW_ONE = 1 - 2**-40
 class Crossings(NamedTuple):
     """Where a border crosses the outline of a sector, in order along the border, (crossings,) each.
 
+    That is up to rounding.
+
     `place` is the number of the vertex of the border before, and the share of the side from there;
     `around` is the same on the outline. `z` is the point, in m from the robot. `enters` says
     whether the border enters the sector there. `inside` says of each vertex of the course whether
@@ -172,12 +174,12 @@ def _edges_crossed(course: Course, sector: Sector, legs: _Legs, inside: Flags) -
 
 
 def _in_order(found: list[Found], inside: Flags) -> Crossings:
-    """Return crossings in order along the border."""
-    place, around, z, enters = found[0]
-    if len(found) > 1:
-        place = np.concatenate([it[0] for it in found])
-        around = np.concatenate([it[1] for it in found])
-        z = np.concatenate([it[2] for it in found])
-        enters = np.concatenate([it[3] for it in found])
+    """Return crossings in order along the border, as those of one front are already."""
+    if len(found) == 1:
+        return Crossings(*found[0], inside)
+    place = np.concatenate([it[0] for it in found])
+    around = np.concatenate([it[1] for it in found])
+    z = np.concatenate([it[2] for it in found])
+    enters = np.concatenate([it[3] for it in found])
     order = place.argsort()
     return Crossings(place[order], around[order], z[order], enters[order], inside)

@@ -1,33 +1,28 @@
-"""The sensor map M_u: polygonal zones seen in one scan (Alg. 2, l. 36-42; R6).
-
-In comes a scan; out go its zones, and which of them the beams linked. This room remembers nothing:
-what was known before is the business of `metric` and `graph`.
+"""The zones of one scan z_u (Alg. 2, l. 36-42; R6), and the one where the robot is.
 
 A zone is the union of the strips of its label; where places that do not touch are zones of their
-own (R14), of those in one place.
+own (R14), of those in one place. This room remembers nothing: what was known before is the business
+of `metric`.
 """
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator
+from collections.abc import Iterator
 from dataclasses import dataclass
-from functools import partial
 from itertools import pairwise
+from math import inf
 
 import numpy as np
 import shapely
 
 from semtopo.border import Border, taken_together
-from semtopo.crossings import SeenDoorways, seen_doorways
 from semtopo.fusion import Extent
-from semtopo.geometry import Polygons, Region, apart, nearest_point, union
-from semtopo.scan import Scan
+from semtopo.geometry import Region, apart, union
 from semtopo.sector import Sector, outlines, sector_of
-from semtopo.strips import Strips, find_strips
+from semtopo.strips import Strips
 from semtopo.traced import traced
 from semtopo.types import (
     NOWHERE,
-    Edges,
     Identity,
     Integers,
     MappingOptions,
@@ -37,6 +32,9 @@ from semtopo.types import (
 
 SAME_DISTANCE = 1e-9
 """m; far above what rounding does to a distance indoors, far below what a sensor can tell."""
+
+OFF = 100 * SAME_DISTANCE
+"""m; a side between beams that are up to HALF_TURN apart passes by at 1/50 of that, at least."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -64,81 +62,23 @@ class Zone:
         return self.extent.border
 
     @property
+    def holds_robot(self) -> bool:
+        """Whether a sector begins at the robot."""
+        return any(sector.near is None for sector in self.sectors)
+
+    @property
+    def is_off_robot(self) -> bool:
+        """Whether it is plain from the sectors that the zone is farther away than SAME_DISTANCE."""
+        nears = [sector.near for sector in self.sectors]
+        return bool(nears) and all(near is not None and near.min() > OFF for near in nears)
+
+    @property
     def name(self) -> SeenName:
         """What names the zone in its scan."""
         return (self.label, self.part)
 
 
-@dataclass(frozen=True, slots=True, eq=False)
-class Link:
-    """Evidence in one scan that one passes from `source` to `target`.
-
-    `ground` makes the `strips` when asked for: most links are known. The parts say which zones of
-    these labels are meant.
-    """
-
-    source: str
-    target: str
-    ground: Callable[[], Polygons]
-    source_part: int = 0
-    target_part: int = 0
-
-    @property
-    def strips(self) -> Polygons:
-        """The ground of the target that one enters, as polygons."""
-        return self.ground()
-
-    @property
-    def ends(self) -> tuple[SeenName, SeenName]:
-        """What names source and target in their scan."""
-        return (self.source, self.source_part), (self.target, self.target_part)
-
-    def nearest_point(self, position: Point) -> Point:
-        """Return the point of the entered part that is nearest to the robot (R11)."""
-        return nearest_point(union(self.strips), position)
-
-
-@dataclass(frozen=True, slots=True, eq=False)
-class SensorMap:
-    """The zones of one scan M_u, sorted by name, with the position p_r it was taken from.
-
-    `here` is the label s_r of the nearest zone, `None` if the scan shows no zone (R8). `links` are
-    the edges that the scan speaks for, by the option `edges` (R15), `doorways` the ground that it
-    shows between zones. `here_part` says which zone of that label is meant.
-    """
-
-    position: Point
-    zones: tuple[Zone, ...]
-    here: str | None
-    links: tuple[Link, ...]
-    doorways: tuple[SeenDoorways, ...] = ()
-    here_part: int = 0
-
-    @property
-    def here_name(self) -> SeenName | None:
-        """What names the zone where the robot is."""
-        return None if self.here is None else (self.here, self.here_part)
-
-
-def extract(scan: Scan, options: MappingOptions) -> SensorMap:
-    """Build the zones of a scan and find the one where the robot is (Alg. 2, l. 36-42).
-
-    Zones not above `min_zone_area` are left out (R9); so is all that has no area.
-    """
-    strips = find_strips(scan)
-    zones, owner = _zones(strips, options)
-    here = _nearest(zones, scan.position)
-    if here is None:
-        return SensorMap(scan.position, (), None, ())
-    if options.edges is Edges.ADJACENT:
-        links = tuple(_adjacent_links(strips, zones, owner))
-    else:
-        links = tuple(_seen_links(here, strips, zones, owner))
-    doorways = seen_doorways(strips, owner, [zone.name for zone in zones])
-    return SensorMap(scan.position, tuple(zones), here.label, links, tuple(doorways), here.part)
-
-
-def _zones(strips: Strips, options: MappingOptions) -> tuple[list[Zone], Integers]:
+def zones_of(strips: Strips, options: MappingOptions) -> tuple[list[Zone], Integers]:
     """Return the zones in the order of their names, and in which of them each interval lies.
 
     That is its place in the list, or `NOWHERE` (Alg. 2, l. 36-42; R14).
@@ -146,7 +86,9 @@ def _zones(strips: Strips, options: MappingOptions) -> tuple[list[Zone], Integer
     labels, label = strips.scan.labels, strips.scan.intervals.label
     zones: list[Zone] = []
     owner = np.full(len(label), NOWHERE)
-    for number, chosen in sorted(_places(label[strips.left]).items(), key=lambda it: labels[it[0]]):
+    for number, chosen in sorted(
+        places_of(label[strips.left]).items(), key=lambda it: labels[it[0]]
+    ):
         extent, sectors = _extent(strips, chosen)
         if options.identity is Identity.LABEL:
             places = [(extent, (label == number).nonzero()[0])]
@@ -191,7 +133,7 @@ def _parts(extent: Extent, strips: Strips, chosen: Integers) -> Iterator[tuple[E
         yield Extent(border, region), np.union1d(strips.left[mine], strips.right[mine])
 
 
-def _places(numbers: Integers) -> dict[int, Integers]:
+def places_of(numbers: Integers) -> dict[int, Integers]:
     """Return where each number stands in an array, ascending."""
     if len(numbers) == 0:
         return {}
@@ -203,45 +145,18 @@ def _places(numbers: Integers) -> dict[int, Integers]:
     return {int(ordered[one]): order[one:end] for one, end in pairwise(first)}
 
 
-def _nearest(zones: list[Zone], position: Point) -> Zone | None:
+def nearest_zone(zones: list[Zone], position: Point) -> Zone | None:
     """Return the zone nearest to the robot (Alg. 3, l. 1-2; ties by name, R7).
 
     Samples stand at equal distances, so ties are common; rounding must not decide them.
     """
     distances: list[float] = []
+    held = any(zone.holds_robot for zone in zones)
     for zone in zones:
-        holds = any(sector.near is None for sector in zone.sectors)
-        distances.append(0.0 if holds else zone.region.distance(shapely.Point(position)))
-        if holds:  # no other is nearer, and the first by name is meant
+        if zone.holds_robot:  # no other is nearer, and the first by name is meant
+            distances.append(0.0)
             break
+        apart = held and zone.is_off_robot
+        distances.append(inf if apart else zone.region.distance(shapely.Point(position)))
     near = min(distances, default=0.0) + SAME_DISTANCE
     return next((zone for zone, far in zip(zones, distances, strict=False) if far <= near), None)
-
-
-def _seen_links(here: Zone, strips: Strips, zones: list[Zone], owner: Integers) -> Iterator[Link]:
-    """Yield a link from here to every other zone (Alg. 3, l. 13-29)."""
-    places = _places(owner[strips.left]) if len(zones) > 1 else {}
-    for number, zone in enumerate(zones):
-        if zone is not here and number in places:
-            yield _link(here, zone, partial(strips.polygons, places[number]))
-
-
-def _adjacent_links(strips: Strips, zones: list[Zone], owner: Integers) -> Iterator[Link]:
-    """Yield a link for every pair of zones with strips that lead from one to the other (R15).
-
-    Both beams of a strip must come through: one alone may have slipped through a wall. The strips
-    that lead there are what one enters, and not all that is seen of the target.
-    """
-    entered = strips.entering()
-    source, target = owner[strips.left[entered] - 1], owner[strips.left[entered]]
-    known = (source != NOWHERE) & (target != NOWHERE) & (source != target)
-    known &= source == owner[strips.right[entered] - 1]
-    entered, pairs = entered[known], (target * len(zones) + source)[known]
-    for pair, found in _places(pairs).items():
-        target_number, source_number = divmod(pair, len(zones))
-        ground = partial(strips.polygons, entered[found])
-        yield _link(zones[source_number], zones[target_number], ground)
-
-
-def _link(source: Zone, target: Zone, ground: Callable[[], Polygons]) -> Link:
-    return Link(source.label, target.label, ground, source.part, target.part)

@@ -19,7 +19,7 @@ LAYERS = [
     {"border", "ellipse", "fan", "inset", "triangulation", "world"}, {"traced"}, {"taut"},
     {"bottleneck"}, {"freespace"}, {"sensor"}, {"scan"}, {"runs", "sector", "strips"},
     {"course", "crossings"},
-    {"doorways", "sweep"}, {"seams"}, {"fusion"}, {"zones"}, {"core"},
+    {"doorways", "sweep"}, {"seams"}, {"fusion"}, {"zones"}, {"sensor_map"}, {"core"},
     {"metric"}, {"placement"},
     {"borders", "graph"}, {"findings"}, {"mapper"},
     {"notes"}, {"following"}, {"atlas", "expectations", "grammar", "likeness", "questions"},

@@ -16,8 +16,8 @@ from semtopo.mapper import MapState, explore, run, scan_world, step
 from semtopo.runs import LabelledRuns, from_runs
 from semtopo.scan import Scan
 from semtopo.sensor import Sensor
+from semtopo.sensor_map import SensorMap, extract
 from semtopo.types import Floats, Kind, MappingOptions, Pose
-from semtopo.zones import SensorMap, extract
 from tests.plans import THREE_IN_A_ROW, TWO_DOORS, TWO_ROOMS, drawn
 from tests.strategies import Scene, labelled_runs, many, options, patient, poses, quick, scenes
 

@@ -17,9 +17,9 @@ from semtopo.formats import read_path, read_world
 from semtopo.geometry import Region, polygonal
 from semtopo.mapper import MapState, explore, scan_world
 from semtopo.sensor import Sensor, measure, trace
+from semtopo.sensor_map import extract
 from semtopo.types import NOWHERE, Kind, MappingOptions, Occupancy, Point, Sensing
 from semtopo.world import World, WorldZone
-from semtopo.zones import extract
 from tests.plans import TWO_ROOMS, drawn
 from tests.strategies import Scene, quick, scenes
 

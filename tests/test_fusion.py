@@ -22,8 +22,9 @@ from semtopo.geometry import Region, polygonal
 from semtopo.mapper import scan_world
 from semtopo.sector import Sector
 from semtopo.sensor import Sensor
+from semtopo.sensor_map import extract
 from semtopo.types import MappingOptions, Occupancy
-from semtopo.zones import Zone, extract
+from semtopo.zones import Zone
 from tests.extents import all_around, claims_of
 from tests.regions import grid, stars, tiles, turned_grid
 from tests.strategies import Scene, many, quick, scenes

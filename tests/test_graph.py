@@ -15,8 +15,9 @@ from semtopo.graph import Event, Node, NodeFound, Passage, PassageFound, Topolog
 from semtopo.mapper import explore
 from semtopo.metric import MetricMap
 from semtopo.placement import place
+from semtopo.sensor_map import Link, SensorMap
 from semtopo.types import Edges, MappingOptions, Point
-from semtopo.zones import Link, SensorMap, Zone
+from semtopo.zones import Zone
 from tests import oracle
 from tests.strategies import Scene, options, patient, scenes
 

@@ -26,9 +26,10 @@ from semtopo.metric import MetricMap
 from semtopo.placement import Placement, place
 from semtopo.runs import LabelledRuns, from_runs
 from semtopo.sensor import Sensor
+from semtopo.sensor_map import SensorMap
 from semtopo.types import Edges, Identity, Kind, MappingOptions, Passages, Point, Pose
 from semtopo.world import World
-from semtopo.zones import SensorMap, Zone
+from semtopo.zones import Zone
 from tests.plans import TWO_DOORS, drawn
 from tests.strategies import Scene, instances, labelled_runs, many, patient, poses, scenes
 

@@ -12,8 +12,9 @@ from semtopo.geometry import Region
 from semtopo.mapper import explore, scan_world, step
 from semtopo.metric import MetricMap, here_first
 from semtopo.placement import place
+from semtopo.sensor_map import SensorMap
 from semtopo.types import MappingOptions, Occupancy
-from semtopo.zones import SensorMap, Zone
+from semtopo.zones import Zone
 from tests.extents import all_around, claims_of
 from tests.strategies import Scene, options, patient, scenes
 

@@ -13,9 +13,9 @@ from semtopo.errors import InvalidSensorError
 from semtopo.mapper import MapState, Step, explore, scan_world, step
 from semtopo.runs import LabelledRuns, from_runs
 from semtopo.sensor import Sensor, measure
+from semtopo.sensor_map import SensorMap, extract
 from semtopo.types import Edges, Kind, MappingOptions, Occupancy, Point, Pose
 from semtopo.world import World, WorldZone
-from semtopo.zones import SensorMap, extract
 from tests.oracle import Interval
 from tests.plans import LOOP, THREE_IN_A_ROW, TOUCHING, TWO_DOORS, TWO_ROOMS, drawn
 from tests.test_scan import spelled
@@ -155,6 +155,9 @@ def test_r7_the_nearest_zone_is_here_and_ties_go_by_label() -> None:
     tie = told(one, one, other, other)
     assert [zone.label for zone in tie.zones] == ["c", "z"]
     assert tie.here == "c"  # both regions hold the robot
+    for threshold, here in ((1e-10, "a"), (1e-6, "z"), (0.5, "z")):
+        behind = [("door", threshold), ("a", 2.0)]
+        assert told([("z", 1.0)], [("z", 1.0)], behind, behind).here == here
 
 
 @pytest.mark.parametrize("shift", [0.0, 1.0, 10.0, 100.3, -7.7])

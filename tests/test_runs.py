@@ -13,8 +13,8 @@ from semtopo.errors import InvalidScanError
 from semtopo.mapper import scan_world
 from semtopo.runs import LabelledRuns, from_runs
 from semtopo.sensor import Sensor
+from semtopo.sensor_map import extract
 from semtopo.types import Kind, MappingOptions, Occupancy, Point, Pose
-from semtopo.zones import extract
 from tests import oracle
 from tests.oracle import Interval
 from tests.plans import TWO_ROOMS, drawn

@@ -15,10 +15,11 @@ from semtopo.mapper import scan_world
 from semtopo.runs import LabelledRuns, from_runs
 from semtopo.scan import Scan
 from semtopo.sensor import Sensor
+from semtopo.sensor_map import SensorMap, extract
 from semtopo.strips import find_strips
 from semtopo.types import Edges, Kind, MappingOptions, Occupancy, Pose
 from semtopo.world import World, WorldZone
-from semtopo.zones import SensorMap, Zone, extract
+from semtopo.zones import Zone
 from tests import oracle
 from tests.extents import claims_of
 from tests.plans import THREE_IN_A_ROW, TWO_ROOMS, drawn
