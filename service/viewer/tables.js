@@ -13,23 +13,27 @@ export function showTables(session) {
 
   function redraw() {
     if (!whole.open) return;
-    const { nodes, edges } = session.graphShown();
+    const { edges } = session.graphShown();
     const zones = session.state.moment.zones;
-    void nodes;
     const more = Math.max(zones.length, edges.length) > rows;
     const button = more && el("button", { type: "button", onclick: () => { rows += 5 * ROWS; redraw(); } }, "Show more rows");
     body.replaceChildren(
-      table("Zones", ["Zone", "Area, m\u00b2", "Found", "Grew"], zones.slice(0, rows).map((zone) => [
+      table(`Zones (${shownOf(zones)})`, ["Zone", "Area, m\u00b2", "Found", "Grew"], zones.slice(0, rows).map((zone) => [
         link(zone.label, () => session.store.set({ selected: { kind: "zone", id: zone.id } })),
         fixed(zone.area), String(zone.since), String(zone.seq),
       ])),
-      table("Passages", ["From", "To", "Point, m", "Found"], edges.slice(0, rows).map((edge) => [
+      table(`Passages (${shownOf(edges)})`, ["From", "To", "Point, m", "Found"], edges.slice(0, rows).map((edge) => [
         link(edge.source, () => session.store.set({ selected: { kind: "edge", id: edge.key } })),
         edge.target + (session.closings.has(edge) ? " (closed)" : ""),
         `${fixed(edge.point[0])}, ${fixed(edge.point[1])}`, String(edge.seq),
       ])),
       ...(button ? [button] : []),
     );
+  }
+
+  /** @param {any[]} all */
+  function shownOf(all) {
+    return all.length > rows ? `${rows} of ${all.length}` : `${all.length}`;
   }
   session.store.on(["moment", "graph", "at", "restrictions"], redraw);
 }
@@ -41,7 +45,7 @@ function link(words, onclick) {
 
 /** @param {string} caption @param {string[]} columns @param {(string | Node)[][]} rows */
 function table(caption, columns, rows) {
-  return el("table", {}, el("caption", {}, `${caption} (${rows.length})`),
+  return el("table", {}, el("caption", {}, caption),
     el("thead", {}, el("tr", {}, ...columns.map((name) => el("th", { scope: "col" }, name)))),
     el("tbody", {}, ...rows.map((row) => el("tr", {}, ...row.map((cell) => el("td", {}, cell))))));
 }
