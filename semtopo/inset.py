@@ -28,12 +28,13 @@ SLACK = 0.05
 GEOS's own, which drops shallow concavities (1 %); where there are many vertices, coarser chords
 (2 %) and simplification (2 %) too."""
 
-_QUARTER, _COARSE_QUARTER = 16, 4
+_FINEST, _COARSEST = 16, 4
 """Chords in a quarter of a circle, for few and for many vertices; they run outside of it, so that
 they keep the distance."""
 
-_FEW = 2000
-"""Vertices with fine arcs: an arc has a vertex for each chord, and of many there are too many."""
+_CHORDS = 4000
+"""Chords in a quarter for all vertices together: an arc has a vertex for each, and of many vertices
+there would be too many."""
 
 _SIMPLER = 0.0075
 """The share of the radius that a border of very many vertices may lose to simplification, twice."""
@@ -61,7 +62,8 @@ def inset(region: Region, radius: float) -> Region:
 
 def rounded(region: Region, distance: float) -> Region:
     """Return a region inset by about a distance: GEOS may err by 1 % of it either way."""
-    quarter = _QUARTER if shapely.get_num_coordinates(region) <= _FEW else _COARSE_QUARTER
+    vertices = int(shapely.get_num_coordinates(region))
+    quarter = min(max(_CHORDS // max(vertices, 1), _COARSEST), _FINEST)
     outside = distance / math.cos(math.pi / (4 * quarter))
     return polygonal(shapely.buffer(region, -outside, quad_segs=quarter))
 

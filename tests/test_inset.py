@@ -9,7 +9,8 @@ import pytest
 import shapely
 from shapely import MultiPolygon, Polygon, box
 
-from semtopo.geometry import Region, polygonal
+from benchmarks.dense_paths import field
+from semtopo.geometry import Region, count_vertices, polygonal
 from semtopo.inset import SKIN, SLACK, inset, sides
 from tests.regions import DRAWS, Draw
 
@@ -72,3 +73,13 @@ def test_the_sides_of_a_region_are_its_border(region: Region, count: int) -> Non
     lines = sides(region)
     assert len(lines) == count
     assert shapely.union_all(lines).equals(region.boundary)
+
+
+@pytest.mark.parametrize("vertices", [100, 250, 500, 900])
+def test_arcs_have_fewer_chords_where_there_are_many(vertices: int) -> None:
+    """A path through a field of stars is found among few thousand vertices, however many arcs."""
+    region = field(vertices).region
+    space = inset(region, 0.02)
+    assert vertices < count_vertices(space) < 5 * 900
+    missing = region.buffer(-0.02 * (1 + SLACK), quad_segs=64).difference(space)
+    assert missing.area < 1e-9
