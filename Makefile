@@ -1,7 +1,7 @@
 # make run   set up, then serve on 127.0.0.1:8000
 # make test  set up, lint, check types, test
 # make fuzz  send CASES requests drawn from the OpenAPI document
-# make bench measure all, print tables and write var/bench.json
+# make bench measure all beside peers, print tables and write var/bench.json
 # make crash kill servers and databases at random, KILLS times each, and check the maps
 BIN := .venv/bin
 PORT ?= 8000
@@ -10,9 +10,10 @@ JOBS ?= 2
 CASES ?= 20000
 KILLS ?= 200
 VICTIMS ?= sqlite sqlite-stopped sqlite-two postgres postgres-itself
+OURS = --no-emit-package networkx --no-emit-package numpy --no-emit-package colorama
 EXPORT = $(BIN)/uv export --quiet --frozen --no-header --no-emit-project
 
-.PHONY: setup run test bench fuzz crash picture lint types lock clean
+.PHONY: setup run test bench peers fuzz crash picture lint types lock clean
 
 setup: .venv/.ready
 
@@ -27,8 +28,12 @@ run: setup
 test: lint types
 	$(BIN)/pytest -n $(JOBS) --dist loadfile
 
-bench: setup
+bench: setup peers
 	$(BIN)/python -m benchmarks $(BENCH)
+
+# Programs to compare with, in a folder of their own; without them the rest is measured.
+peers: setup
+	-sh scripts/peers.sh
 
 fuzz: setup
 	$(BIN)/python -m tests.fuzz --cases $(CASES)
@@ -52,9 +57,10 @@ types: setup
 # Newest versions that have been out for three days. uv.lock names hosts and is not kept.
 lock: setup
 	$(BIN)/uv lock --upgrade --exclude-newer '3 days'
-	$(EXPORT) --all-groups -o requirements.lock
+	$(EXPORT) -o requirements.lock
 	$(EXPORT) --no-dev -o requirements-runtime.lock
 	$(EXPORT) --only-group build -o requirements-build.lock
+	$(EXPORT) --only-group bench $(OURS) -o requirements-bench.lock
 
 clean:
 	rm -rf .venv build dist .coverage* htmlcov .mypy_cache .pytest_cache .ruff_cache .hypothesis

@@ -4,9 +4,8 @@ Some alone: `make bench BENCH="worlds routes"`, or `python -m benchmarks worlds 
 
 Each module has a function `tables()`, which yields titles and rows as they are measured. All peers
 of a table are measured in the same run; ratios are what counts. Peers that are no dependency are
-looked for in the folder of `--peers`, and left out if they are not there:
-
-    pip install --target FOLDER --no-deps extremitypathfinder pyvisgraph rustworkx tqdm
+looked for in the folder of `--peers`; tables tell which were not there. `make peers` puts them into
+`.venv/peers`, which is looked into by itself.
 """
 
 from __future__ import annotations
@@ -36,10 +35,9 @@ def main() -> None:
     )
     parser.add_argument("modules", nargs="*", default=MODULES, metavar="MODULE")
     parser.add_argument("--out", type=Path, default=Path("var/bench.json"))
-    parser.add_argument("--peers", type=Path)
+    parser.add_argument("--peers", type=Path, default=Path(sys.prefix) / "peers")
     options = parser.parse_args()
-    if options.peers is not None:
-        sys.path.append(str(options.peers))  # last: one of them brings a package `tests`, too
+    sys.path.append(str(options.peers))  # last: one of them brings a package `tests`, too
     console = Console(width=None if sys.stdout.isatty() else WIDTH)
     found: dict[str, list[Row]] = {}
     for name in options.modules:

@@ -1,13 +1,12 @@
 """Time dense paths beside two peers.
 
-The peers are no dependency (`python -m benchmarks --help`); without them only our own times are
-given. In each round a map has changed: everything is built anew, and one query is answered.
-Lengths are compared: who is fast and wrong does not count.
+The peers are no dependency (`make peers`); without them only our own times are given. In each round
+a map has changed: everything is built anew, and one query is answered. Lengths are compared: who is
+fast and wrong does not count.
 """
 
 from __future__ import annotations
 
-import importlib.util
 import math
 import statistics
 import time
@@ -19,6 +18,7 @@ from typing import TypeAlias
 
 from shapely import LineString, Polygon
 
+from benchmarks.peers import NOT_THERE, is_there
 from benchmarks.table import Table
 from semtopo.freespace import FreeSpace
 from semtopo.geometry import Region
@@ -119,8 +119,8 @@ def peers_table(vertices: int) -> Table:
     own, length = timed(ours, world, 15)
     rows = [{"who": "semtopo", "ms": f"{own:.1f}", "times ours": "1", "length m": f"{length:.6f}"}]
     for name, work in PEERS.items():
-        if importlib.util.find_spec(name) is None:
-            rows.append({"who": name, "ms": "not installed", "times ours": "", "length m": ""})
+        if not is_there(name):
+            rows.append({"who": name, "ms": NOT_THERE, "times ours": "", "length m": ""})
             continue
         took, found = timed(work, world, 3)
         rows.append({

@@ -2,15 +2,14 @@
 
 The grid has N x N square zones of 1 m, with a door somewhere in each wall; one in five leads one
 way only. The graph of all three has the passages for nodes, linked where one may follow another,
-with the way between them in m for weight. rustworkx is no dependency: without it
-its row is left out. Lengths are compared: who is fast and wrong does not
-count. Our own first answer is told apart, since it numbers the graph.
+with the way between them in m for weight. rustworkx is no dependency (`make peers`). Lengths are
+compared: who is fast and wrong does not count. Our own first answer is told apart, since it numbers
+the graph.
 """
 
 from __future__ import annotations
 
 import importlib
-import importlib.util
 import math
 import statistics
 import time
@@ -23,6 +22,7 @@ import networkx as nx
 import numpy as np
 import shapely
 
+from benchmarks.peers import NOT_THERE, is_there
 from benchmarks.table import Row, Table
 from semtopo.atlas import Atlas
 from semtopo.fusion import Extent
@@ -157,6 +157,13 @@ def by_rustworkx(grid: Grid) -> Answer:
     return answer
 
 
+PEERS = {
+    "networkx, bidirectional Dijkstra": ("networkx", by_networkx),
+    "rustworkx, Dijkstra": ("rustworkx", by_rustworkx),
+}
+"""Name of a peer to its module, and what makes its answers."""
+
+
 def timed(answer: Answer, asked: list[Asked]) -> tuple[list[float], list[float]]:
     """Return the lengths of routes, and the times they took in s."""
     lengths, times = zip(*map(answer, asked), strict=True)
@@ -182,10 +189,10 @@ def tables() -> Iterator[Table]:
         row("semtopo, new places", statistics.median(cold_times), mine),
         row("semtopo, warm", mine, mine),
     ]
-    peers = {"networkx, bidirectional Dijkstra": by_networkx}
-    if importlib.util.find_spec("rustworkx") is not None:
-        peers["rustworkx, Dijkstra"] = by_rustworkx
-    for name, make in peers.items():
+    for name, (module, make) in PEERS.items():
+        if not is_there(module):
+            rows.append({"who": name, "median ms": NOT_THERE, "times ours": ""})
+            continue
         theirs, their_times = timed(make(grid), asked)
         if not np.allclose(theirs, lengths):
             raise SystemExit(f"{name} finds other lengths")

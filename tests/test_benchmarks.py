@@ -5,6 +5,7 @@ from __future__ import annotations
 import importlib
 import pathlib
 import shutil
+import subprocess
 import sys
 from random import Random
 
@@ -13,7 +14,7 @@ import pytest
 from shapely import Polygon
 
 from benchmarks import __main__ as command
-from benchmarks import growth, octave, proved_paths, stages, worlds
+from benchmarks import dense_paths, growth, octave, proved_paths, routes, stages, worlds
 from benchmarks.paper import path, wander, world
 from semtopo import MappingOptions, Sensor, explore
 from semtopo.errors.ways import NotConnectedError
@@ -55,7 +56,8 @@ def test_tables_are_printed_and_written(
     for constant, value in SMALL[name].items():
         monkeypatch.setattr(module, constant, value)
     out = tmp_path / "new" / "bench.json"
-    monkeypatch.setattr(sys, "argv", ["benchmarks", name, "--out", str(out)])
+    monkeypatch.setattr(sys, "argv", ["benchmarks", name, "--out", str(out), "--peers", "none"])
+    monkeypatch.setattr(sys, "path", [*sys.path])
     command.main()
     tables = orjson.loads(out.read_bytes())
     printed = capsys.readouterr().out
@@ -65,6 +67,43 @@ def test_tables_are_printed_and_written(
         assert rows
         assert all(list(row) == list(rows[0]) for row in rows)
         assert all(isinstance(cell, str) for row in rows for cell in row.values())
+
+
+def test_a_table_tells_which_peers_are_not_there(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(routes, "SIDE", 5)
+    monkeypatch.setattr(routes, "QUERIES", 2)
+    monkeypatch.setattr(routes, "is_there", lambda module: module == "networkx")
+    monkeypatch.setattr(dense_paths, "is_there", lambda _: False)
+    ((_, rows),) = routes.tables()
+    told = {row["who"]: row["median ms"] for row in rows}
+    assert told.pop("rustworkx, Dijkstra").startswith("not installed on Python 3.")
+    assert all(float(milliseconds) > 0 for milliseconds in told.values())
+    _, rows = dense_paths.peers_table(50)
+    absent = [row["who"] for row in rows if row["ms"].startswith("not installed")]
+    assert absent == ["extremitypathfinder", "pyvisgraph"]
+
+
+PEERS = pathlib.Path(sys.prefix) / "peers"
+
+
+@pytest.mark.skipif(not PEERS.exists(), reason=f"{PEERS} is not there; `make peers` makes it")
+def test_every_peer_finds_what_we_find(tmp_path: pathlib.Path) -> None:
+    """In a process of its own, since one of them brings a package `tests`."""
+    program = (
+        "import sys; from benchmarks import __main__, dense_paths, routes\n"
+        "dense_paths.COMPARED, dense_paths.GROWING = (50,), (50,)\n"
+        "routes.SIDE, routes.QUERIES = 5, 3\n"
+        "__main__.main()"
+    )
+    out = tmp_path / "bench.json"
+    command_line = [sys.executable, "-c", program, "routes", "dense_paths", "--out", str(out)]
+    root = pathlib.Path(command.__file__).parents[1]
+    subprocess.run(command_line, cwd=root, check=True, capture_output=True)
+    on_grid, of_peers, _ = orjson.loads(out.read_bytes()).values()
+    assert all(float(row["median ms"]) > 0 for row in on_grid)
+    assert len(on_grid) == 3 + len(routes.PEERS)
+    assert len(of_peers) == 1 + len(dense_paths.PEERS)
+    assert len({row["length m"] for row in of_peers}) == 1
 
 
 def test_table_1_has_every_stage_and_its_total(monkeypatch: pytest.MonkeyPatch) -> None:

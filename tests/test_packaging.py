@@ -14,7 +14,10 @@ from packaging.utils import canonicalize_name
 
 ROOT = Path(__file__).parents[1]
 PYPROJECT = tomllib.loads((ROOT / "pyproject.toml").read_text())
-LOCKS = ["requirements.lock", "requirements-runtime.lock", "requirements-build.lock"]
+LOCKS = [
+    "requirements.lock", "requirements-runtime.lock", "requirements-build.lock",
+    "requirements-bench.lock",
+]  # fmt: skip
 PACKAGES = ("semtopo", "service", "migrations")
 
 # A path of somebody's machine: a folder below one of these.
@@ -68,6 +71,7 @@ def test_lock_names_no_host_and_hashes_everything(name: str) -> None:
         ("requirements.lock", runtime() + group("dev") + group("build")),
         ("requirements-runtime.lock", runtime()),
         ("requirements-build.lock", group("build")),
+        ("requirements-bench.lock", group("bench")),
     ],
     ids=LOCKS,
 )
@@ -82,11 +86,16 @@ def test_lock_satisfies_pyproject(name: str, wanted: list[Requirement]) -> None:
 
 def test_smaller_locks_agree_with_the_full_one() -> None:
     full = read_lock("requirements.lock")
-    for name in LOCKS[1:]:
+    for name in LOCKS[1:3]:
         for package, pins in read_lock(name).items():
             assert {str(pin.specifier) for pin in pins} <= {
                 str(pin.specifier) for pin in full[package]
             }
+
+
+def test_peers_of_benchmarks_are_no_dependency() -> None:
+    """They stand beside what is installed, so that none of it is there twice."""
+    assert read_lock("requirements-bench.lock").keys().isdisjoint(read_lock("requirements.lock"))
 
 
 def test_runtime_lock_has_no_development_tool() -> None:
@@ -100,6 +109,7 @@ def test_runtime_lock_has_no_development_tool() -> None:
         ("test", "pytest"),
         ("lint", "hadolint Dockerfile"),
         ("types", "mypy"),
+        ("bench", "scripts/peers.sh"),
         ("lock", "requirements-runtime.lock"),
         ("clean", "rm -rf .venv"),
     ],
