@@ -40,6 +40,7 @@ class Finder:
 
     def __init__(self, atlas: Atlas, request: RouteRequest) -> None:
         """Turn the names of the request into numbers of its network."""
+        self._atlas, self._request = atlas, request
         self._state, self._metric, self._cost = atlas.state, atlas.state.metric, request.cost
         self._network = network_of(atlas.state.graph, request.cost, request.two_way)
         self._names = list(self._network.zones)
@@ -57,7 +58,9 @@ class Finder:
         gap = find_gap(self._network, self._errand, self._terms)
         if gap is not None:
             is_free = find_gap(self._network, self._errand, OPEN) is None
-            raise refusal(self._state, self._network, gap, restricted=is_free)
+            raise refusal(
+                self._state, self._network, gap, restricted=is_free, two_way=self._is_two_way()
+            )
         used: Counter[int] = Counter()
         found: list[Route] = []
         looked_at = searches = 0
@@ -73,6 +76,13 @@ class Finder:
             if not way.uses:
                 return
             used.update(way.uses)
+
+    def _is_two_way(self) -> bool:
+        """Say whether there is a route with passages used against their direction, if only so."""
+        if self._network.two_way:
+            return False
+        both = network_of(self._state.graph, self._cost, True)  # noqa: FBT003 -- as in network_of
+        return find_gap(both, self._errand, terms_of(self._atlas, self._request, both)) is None
 
     def _dearer(self, used: Counter[int]) -> Terms:
         """Return the terms on which what was used costs more."""

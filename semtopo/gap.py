@@ -45,8 +45,14 @@ def find_gap(network: Network, errand: Errand, terms: Terms) -> Gap | None:
     return None
 
 
-def refusal(state: MapState, network: Network, gap: Gap, *, restricted: bool) -> NoRouteError:
-    """Return what is to be said of a gap; `restricted` if there is none without restrictions."""
+def refusal(
+    state: MapState, network: Network, gap: Gap, *, restricted: bool, two_way: bool
+) -> NoRouteError:
+    """Return what is to be said of a gap.
+
+    It is `restricted` if there is none without restrictions, `two_way` if there is none with
+    passages used against their direction.
+    """
     names = list(network.zones)
     why = "while something on the way is closed or avoided" if restricted else "to the other"
     return NoRouteError(
@@ -56,6 +62,7 @@ def refusal(state: MapState, network: Network, gap: Gap, *, restricted: bool) ->
         missing=_missing(network, gap),
         frontier=_frontier(state, network, gap),
         restricted=restricted,
+        two_way=two_way,
     )
 
 

@@ -44,6 +44,7 @@ from semtopo.errors import (
     UnknownZoneError,
 )
 from semtopo.errors.ways import MissingPassage, NoRouteError
+from semtopo.journey import WayOptions
 from semtopo.mapper import MapState, explore
 from semtopo.notes import Restriction, ZoneNotes, ZoneRef
 from semtopo.questions import Question
@@ -185,9 +186,12 @@ def test_a_way_that_is_not_there() -> None:
         answer(ROBOT, "path from balcony to bath")
     assert str(refused.value).startswith(
         "There is no way from Balcony to bath yet: Balcony -> living room is not known, though"
-        " living room -> Balcony has been since step 5. From Balcony one reaches no other zone."
-        " One reaches bath from hall, living room, study and den."
+        " living room -> Balcony has been since step 5. Balcony was only looked into, from"
+        " living room. From Balcony one reaches no other zone. One reaches bath from hall,"
+        " living room, study and den. With two_way, passages are used against their direction too,"
+        " and there is a way."
     )
+    assert refused.value.two_way
     assert refused.value.missing == MissingPassage("Balcony", "living room", 5)
     found = answer(ROBOT, "is there a way from balcony to bath")
     assert isinstance(found, ConnectionAnswer)
@@ -195,6 +199,7 @@ def test_a_way_that_is_not_there() -> None:
     assert (found.connected, found.route) == (False, None)
     assert found.gap is not None
     assert found.gap.missing == refused.value.missing
+    assert found.gap.two_way
     with pytest.raises(NoRouteError, match="from Balcony to bath via hall avoiding den and study"):
         answer(ROBOT, "path from balcony to bath via hall avoiding workroom")
 
@@ -301,6 +306,24 @@ def ask(seq: int, text: str) -> Answer:
     return answer(Atlas(drive()[seq]), text, drive().__getitem__)
 
 
+def test_a_zone_with_the_robot_in_it_was_more_than_looked_into() -> None:
+    inside = replace(ROBOT, state=replace(ROBOT.state, here="Balcony"))
+    with pytest.raises(NoRouteError) as refused:
+        answer(inside, "path from balcony to bath")
+    assert "looked into" not in str(refused.value)
+
+
+def test_what_two_way_promises_it_keeps() -> None:
+    both = WayOptions(two_way=True)
+    found = answer(ROBOT, "path from balcony to bath", options=both)
+    assert isinstance(found, PathAnswer)
+    assert found.route.backwards[0].target == "Balcony"
+    with pytest.raises(NoRouteError) as refused:
+        answer(ROBOT, "path from attic to bath", options=both)
+    assert not refused.value.two_way
+    assert "two_way" not in str(refused.value)
+
+
 def test_the_paper_at_step_29() -> None:
     with pytest.raises(NoRouteError) as refused:
         ask(29, "path from corridor to C")
@@ -312,6 +335,7 @@ def test_the_paper_at_step_29() -> None:
     assert str(refused.value) == (
         "There is no way from corridor to C yet: corridor -> C is not known, though C -> corridor"
         " has been since step 29. From corridor one reaches A. One reaches C from no other zone."
+        " With two_way, passages are used against their direction too, and there is a way."
         " The frontier nearest to closing the gap is at"
         f" ({frontier.point[0]:.1f}, {frontier.point[1]:.1f}) in {frontier.zone_id}."
     )

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import networkx as nx
 import numpy as np
 import pytest
@@ -58,6 +60,18 @@ def test_what_is_closed_is_not_missing() -> None:
     assert refused(atlas(there_and_back, restrictions=limits), "a", "b").restricted
 
 
+def test_passages_against_their_direction_may_help() -> None:
+    there: list[Edge] = [("a", "b", (0, 0))]
+    assert refused(atlas(there), "b", "a").two_way
+    assert not refused(atlas(there, "abz"), "a", "z").two_way
+    closed = (Restriction("r", ("a", "b", 0), closed=True),)
+    assert not refused(atlas(there, restrictions=closed), "b", "a").two_way
+    request = RouteRequest(start=Place("a"), goals=(Place("z"),), two_way=True)
+    with pytest.raises(NoRouteError) as caught:
+        find_routes(atlas(there, "abz"), request)
+    assert not caught.value.two_way
+
+
 def test_the_gap_is_where_the_first_stop_cannot_be_reached() -> None:
     request = RouteRequest(start=Place("a"), goals=(Place("a"),), via=("b", "c"))
     with pytest.raises(NoRouteError) as caught:
@@ -83,8 +97,18 @@ def test_what_is_said_is_true(journey: Journey) -> None:
         _check(journey, error)
 
 
+def leads_both_ways(journey: Journey) -> bool:
+    """Say whether there is a route once passages may be used against their direction."""
+    try:
+        find_routes(journey.atlas, replace(journey.request, two_way=True, radius=None))
+    except NoRouteError:
+        return False
+    return True
+
+
 def _check(journey: Journey, error: NoRouteError) -> None:
     graph = journey.atlas.state.graph
+    assert error.two_way == leads_both_ways(journey)
     assert not set(error.reachable) & set(error.reaching)
     if error.missing is not None:
         pair = (error.missing.source, error.missing.target)
@@ -107,7 +131,7 @@ def _check(journey: Journey, error: NoRouteError) -> None:
 
 
 def test_gaps_are_drawn() -> None:
-    seen = {"missing": 0, "plain": 0, "restricted": 0}
+    seen = {"missing": 0, "plain": 0, "restricted": 0, "two_way": 0}
 
     @many
     @given(journey=journeys())
@@ -117,6 +141,7 @@ def test_gaps_are_drawn() -> None:
         except NoRouteError as error:
             seen["missing"] += error.missing is not None
             seen["restricted"] += error.restricted
+            seen["two_way"] += error.two_way
             seen["plain"] += not (journey.atlas.restrictions or journey.request.avoid_zones)
 
     look()

@@ -34,6 +34,7 @@ class Gap:
     missing: MissingPassage | None
     frontier: NearestFrontier | None
     restricted: bool
+    two_way: bool
 
 
 @dataclass(frozen=True, slots=True)

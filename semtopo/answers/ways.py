@@ -64,7 +64,9 @@ def connection(
             tuple(_routes(atlas, start_of(atlas, question.start), question.legs, options))
         )
     except NoRouteError as gap:
-        found = Gap(gap.reachable, gap.reaching, gap.missing, gap.frontier, gap.restricted)
+        found = Gap(
+            gap.reachable, gap.reaching, gap.missing, gap.frontier, gap.restricted, gap.two_way
+        )
         return ConnectionAnswer(f"No. {gap}", connected=False, gap=found)
     return ConnectionAnswer(f"Yes. {_described(route)}", connected=True, route=route)
 
@@ -115,12 +117,13 @@ def _one_route(atlas: Atlas, start: Place, leg: Leg, options: WayOptions) -> Rou
     except NoRouteError as gap:
         frontier = _known_frontier(atlas, gap)
         raise NoRouteError(
-            _refusal(request, gap, None if gap.restricted else frontier),
+            " ".join(_refusal(atlas, request, gap, None if gap.restricted else frontier)),
             reachable=gap.reachable,
             reaching=gap.reaching,
             missing=gap.missing,
             frontier=frontier,
             restricted=gap.restricted,
+            two_way=gap.two_way,
         ) from None
 
 
@@ -180,14 +183,18 @@ def _room(route: Route) -> str:
     return "" if path is None else f" The path for the robot is {path.length:.1f} m long."
 
 
-def _refusal(request: RouteRequest, gap: NoRouteError, frontier: NearestFrontier | None) -> str:
-    """Say why there is no way, with all that is known of the gap."""
+def _refusal(
+    atlas: Atlas, request: RouteRequest, gap: NoRouteError, frontier: NearestFrontier | None
+) -> Iterator[str]:
+    """Say why there is no way, with all that is known of the gap, a sentence for each."""
     start = request.start.zone_id
     goal = listed([place.zone_id for place in request.goals], "or")
     via = f" via {listed(request.via)}" if request.via else ""
     avoiding = f" avoiding {listed(sorted(request.avoid_zones))}" if request.avoid_zones else ""
-    what = f"There is no way from {start} to {goal}{via}{avoiding}{_reason(gap)}"
-    return " ".join([what, *_known_ways(start, goal, gap), *_way_out(frontier)])
+    yield f"There is no way from {start} to {goal}{via}{avoiding}{_reason(gap)}"
+    yield from _looked_into(atlas, start)
+    yield from _known_ways(start, goal, gap)
+    yield from _way_out(gap, frontier)
 
 
 def _reason(gap: NoRouteError) -> str:
@@ -203,6 +210,14 @@ def _reason(gap: NoRouteError) -> str:
     )
 
 
+def _looked_into(atlas: Atlas, zone_id: str) -> Iterator[str]:
+    """Say from where a zone was looked into, if no way out of it is known, nor is one in it."""
+    pairs = atlas.state.graph.pairs
+    before = [source for source, target in pairs if target == zone_id]
+    if before and atlas.state.here != zone_id and all(source != zone_id for source, _ in pairs):
+        yield f"{zone_id} was only looked into, from {listed(before)}."
+
+
 def _known_ways(start: str, goal: str, gap: NoRouteError) -> Iterator[str]:
     """Say which zones can be reached from the start, and from which the goal can be reached."""
     onwards = [zone for zone in gap.reachable if zone != start]
@@ -211,8 +226,10 @@ def _known_ways(start: str, goal: str, gap: NoRouteError) -> Iterator[str]:
     yield f"One reaches {goal} from {listed(before) if before else 'no other zone'}."
 
 
-def _way_out(frontier: NearestFrontier | None) -> Iterator[str]:
-    """Say where exploring may help, if anywhere."""
+def _way_out(gap: NoRouteError, frontier: NearestFrontier | None) -> Iterator[str]:
+    """Say if using passages both ways helps, and where exploring may, if anywhere."""
+    if gap.two_way:
+        yield "With two_way, passages are used against their direction too, and there is a way."
     if frontier is not None:
         where = f"{at(frontier.point)} in {frontier.zone_id}"
         yield f"The frontier nearest to closing the gap is {where}."

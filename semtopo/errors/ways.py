@@ -41,12 +41,13 @@ class NoRouteError(SemtopoError):
     can be reached, each with the start or the goals themselves, in order of finding. `missing`
     names a pair of these with a passage only the wrong way, and `frontier` the frontier that is
     nearest to closing the gap, where there is such a one. `restricted` says that there would be a
-    route if nothing was closed or avoided.
+    route if nothing was closed or avoided, `two_way` that there would be one if passages might be
+    used against their direction as well, which was not asked for.
     """
 
     code: ClassVar[str] = "no_route"
 
-    def __init__(
+    def __init__(  # noqa: PLR0913 -- one for each thing known about a gap
         self,
         message: str,
         *,
@@ -55,6 +56,7 @@ class NoRouteError(SemtopoError):
         missing: MissingPassage | None = None,
         frontier: NearestFrontier | None = None,
         restricted: bool = False,
+        two_way: bool = False,
     ) -> None:
         """Keep what is known about the gap."""
         super().__init__(message)
@@ -63,12 +65,14 @@ class NoRouteError(SemtopoError):
         self.missing = missing
         self.frontier = frontier
         self.restricted = restricted
+        self.two_way = two_way
         self.facts = {
             "reachable": reachable[:ZONES_TOLD_MAX],
             "reaching": reaching[:ZONES_TOLD_MAX],
             "missing": None if missing is None else asdict(missing),
             "frontier": None if frontier is None else asdict(frontier),
             "restricted": restricted,
+            "two_way": two_way,
         }
 
 

@@ -37,6 +37,7 @@ class ProblemAnswer(BaseModel):
     missing: MissingPassage | None = None
     frontier: NearestFrontier | None = None
     restricted: bool | None = None
+    two_way: bool | None = None
     passage: GroundlessPassage | None = None
     end: Literal["start", "goal"] | None = None
     nearest: Point | None = None
