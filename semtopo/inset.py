@@ -36,10 +36,11 @@ _CHORDS = 4000
 """Chords in a quarter for all vertices together: an arc has a vertex for each, and of many vertices
 there would be too many."""
 
-_SIMPLER = 0.0075
-"""The share of the radius that a border of very many vertices may lose to simplification, twice."""
+_SIMPLER = 0.005
+"""The share of the radius that a border of many vertices may lose to simplification, twice: before
+the steps, and again after them."""
 
-_MANY = 8000
+_MANY = 1000
 """Vertices that one step of the inset takes at once: the arcs of all corners within one step cross
 each other, so of more vertices the dense ones are rounded off by short steps first."""
 
@@ -53,10 +54,13 @@ def inset(region: Region, radius: float) -> Region:
     if radius == 0 or shrunk.is_empty:
         return shrunk
     steps = _steps(shrunk, radius)
+    crowded = len(steps) > 1
     for distance in steps:
-        if len(steps) > 1:
+        if crowded:
             shrunk = _simplified(shrunk, radius * _SIMPLER / len(steps))
         shrunk = rounded(shrunk, distance)
+    if crowded:
+        shrunk = _simplified(shrunk, radius * _SIMPLER)
     return _kept_off(shrunk, region, radius)
 
 

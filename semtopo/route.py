@@ -42,6 +42,9 @@ SEARCHES = 8
 AROUND = 0.3
 """m; how far into both zones a robot must come to have passed a doorway, beside its own width."""
 
+DOORS_KEPT = 4096
+"""Doorways of which it is known if a robot fits through."""
+
 SPACES_KEPT = 32
 """Free spaces in memory, of the latest paths; each is a triangulation of all zones on the way."""
 
@@ -140,18 +143,20 @@ def _too_narrow(atlas: Atlas, route: Route, radius: float) -> Iterator[PassageKe
     """Yield the passages of a route through whose doorways the robot does not fit."""
     metric = atlas.state.metric
     for passage in route.passages:
-        ends = metric.zones[passage.source].region, metric.zones[passage.target].region
+        ends = metric.zones[passage.source], metric.zones[passage.target]
         doors = metric.doorways.between(passage.source, passage.target)
-        if not any(_fits(door.region, ends, radius) for door in doors):
+        if not any(_fits(door, ends, radius) for door in doors):
             yield passage.key
 
 
-def _fits(door: Region, ends: tuple[Region, Region], radius: float) -> bool:
+@lru_cache(maxsize=DOORS_KEPT)
+def _fits(door: Doorway, ends: tuple[MappedZone, MappedZone], radius: float) -> bool:
     """Say whether a robot can go through a doorway from the one zone to the other."""
-    around = door.buffer(AROUND + 2 * radius).bounds
-    near = [polygonal(shapely.clip_by_rect(end, *around)) for end in ends]
+    around = door.region.buffer(AROUND + 2 * radius).bounds
+    near = [polygonal(shapely.clip_by_rect(end.region, *around)) for end in ends]
     halls = [_largest(inset(zone, radius)) for zone in near]
-    parts = shapely.get_parts(inset(joined(np.array([door, *near], dtype=np.object_)), radius))
+    whole = joined(np.array([door.region, *near], dtype=np.object_))
+    parts = shapely.get_parts(inset(whole, radius))
     return any(all(part.intersects(hall) for hall in halls) for part in parts)
 
 
