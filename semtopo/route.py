@@ -7,7 +7,7 @@ is the way between the two inside a zone.
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator
 from dataclasses import replace
 from functools import lru_cache
 from itertools import islice, pairwise
@@ -88,10 +88,13 @@ def widest_place(atlas: Atlas, zone_id: str) -> Point:
 def _with_paths(atlas: Atlas, request: RouteRequest, radius: float) -> list[Route]:
     """Return the best routes that have a path, with it; raises the error of the best if none has.
 
-    Passages that prove too narrow are left out, and the search begins anew.
+    Passages that seem too narrow are left out, and the search begins anew. What seems so may prove
+    otherwise, for a robot that comes from another side; so the best routes are tried all the same,
+    and the others if nothing else is left.
     """
     narrow: frozenset[PassageKey] = frozenset()
     best: Route | None = None
+    unlikely: list[Route] = []
     for _ in range(SEARCHES):
         avoided = replace(request, avoid_passages=request.avoid_passages | narrow)
         try:
@@ -100,23 +103,35 @@ def _with_paths(atlas: Atlas, request: RouteRequest, radius: float) -> list[Rout
             if best is None:
                 raise
             break
-        best = best or tried[0]
-        passable = [
-            replace(route, path=path)
-            for route in tried
-            if (path := _path(_free_space(atlas, route, radius), route)) is not None
+        seen = [frozenset(_too_narrow(atlas, route, radius)) for route in tried]
+        likely = [
+            route for route, keys in zip(tried, seen, strict=True) if best is None or not keys
         ]
+        passable = list(_passable(atlas, likely, radius))
         if passable:
             return passable
-        found = {key for route in tried for key in _too_narrow(atlas, route, radius)}
+        best = best or tried[0]
+        unlikely += [route for route in tried if route not in likely]
+        found = frozenset().union(*seen)
         if found <= narrow:
             break
         narrow |= found
     assert best is not None  # noqa: S101 -- a search without a route raises
+    passable = list(islice(_passable(atlas, unlikely, radius), 1))
+    if passable:
+        return passable
     try:
         return [replace(best, path=_free_space(atlas, best, radius).path(*_ends(best)))]
     except NotConnectedError as error:
         raise _groundless(atlas, best) or error from None
+
+
+def _passable(atlas: Atlas, routes: Iterable[Route], radius: float) -> Iterator[Route]:
+    """Yield the routes that have a path for the robot, with it."""
+    for route in routes:
+        path = _path(_free_space(atlas, route, radius), route)
+        if path is not None:
+            yield replace(route, path=path)
 
 
 def _groundless(atlas: Atlas, route: Route) -> NotConnectedError | None:
