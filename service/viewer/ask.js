@@ -173,6 +173,6 @@ export class AskBox {
 }
 
 /** @param {string} name as it may stand in a question */
-export function quoted(name) {
+function quoted(name) {
   return /^[\p{L}\p{N}_-]+$/u.test(name) ? name : `"${name}"`;
 }

@@ -119,7 +119,7 @@ function way(session, edge) {
 }
 
 /** @param {number} number */
-export function swatch(number) {
+function swatch(number) {
   const one = el("i", { class: "swatch" });
   const { area, line } = shade(number);
   one.style.backgroundColor = area;

@@ -46,6 +46,19 @@ export function inside(x, y, rings) {
   return odd;
 }
 
+/** @param {Ring[]} rings closed @param {number} least distance from point to point, in m @returns {Ring[]} the same, closed, with fewer points */
+export function thinned(rings, least) {
+  return rings.map((ring) => {
+    let [lx, ly] = ring[0];
+    const kept = ring.filter(([x, y], n) => {
+      const isFar = n === 0 || Math.abs(x - lx) + Math.abs(y - ly) >= least;
+      if (isFar) [lx, ly] = [x, y];
+      return isFar;
+    });
+    return [...kept, ring[0]];
+  });
+}
+
 /** @param {number} x @param {number} y @param {Ring[]} rings @returns {number} distance, negative outside */
 function depth(x, y, rings) {
   let least = Infinity;
@@ -66,7 +79,7 @@ function depth(x, y, rings) {
 
 /**
  * Find about the middle of the largest circle in polygons: quadtree search, nearer than a
- * hundredth of their size (as the well-known `polylabel` does).
+ * fortieth of their size (as the well-known `polylabel` does).
  * @param {Ring[]} rings @param {Box} box
  * @returns {{x: number, y: number, r: number}}
  */
@@ -75,7 +88,7 @@ export function pole(rings, box) {
   const height = box[3] - box[1];
   const size = Math.min(width, height);
   if (!(size > 0)) return { x: box[0], y: box[1], r: 0 };
-  const precision = Math.max(width, height) / 100;
+  const precision = Math.max(width, height) / 40;
   let best = { x: box[0] + width / 2, y: box[1] + height / 2, r: -Infinity };
   /** @param {number} x @param {number} y @param {number} half */
   function cell(x, y, half) {

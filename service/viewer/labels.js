@@ -99,6 +99,8 @@ function write(context, words, { at: [x, y], angle, size }, fill) {
 function placeOf(zone, width, camera, { marks, sight }) {
   /** @type {Place | null} */
   let covered = null;
+  const seen = boxOnScreen(camera, zone.box);
+  const isCrowded = [...marks, ...(sight ? [sight] : [])].some((one) => meet(one, seen));
   const far = sight ? BEAMS * Math.hypot(zone.box[2] - zone.box[0], zone.box[3] - zone.box[1]) : 0;
   for (const one of SIZES) {
     const size = one * camera.size;
@@ -106,7 +108,7 @@ function placeOf(zone, width, camera, { marks, sight }) {
     /** @type {Place | null} */
     let best = null;
     let least = Infinity;
-    for (const slot of slots(zone, width, size, camera.scale, room)) {
+    for (const slot of slots(zone, width, size, camera.scale, room, isCrowded)) {
       if (slot.off >= least) break; // they are in that order
       const place = placed(slot, size, width, camera);
       covered ??= place;
@@ -122,13 +124,13 @@ function placeOf(zone, width, camera, { marks, sight }) {
 /** @type {WeakMap<import("./model.js").Zone, Map<string, import("./slots.js").Slot[]>>} */
 const fitting = new WeakMap();
 
-/** @param {import("./model.js").Zone} zone @param {number} width @param {number} size @param {number} scale @param {number} room */
-function slots(zone, width, size, scale, room) {
+/** @param {import("./model.js").Zone} zone @param {number} width @param {number} size @param {number} scale @param {number} room @param {boolean} all */
+function slots(zone, width, size, scale, room, all) {
   let known = fitting.get(zone);
   if (!known || known.size > 40) fitting.set(zone, (known = new Map()));
-  const key = `${scale} ${size} ${width}`;
+  const key = `${scale} ${size} ${width} ${all}`;
   let found = known.get(key);
-  if (!found) known.set(key, (found = slotsFor(zone, (room * width * size) / scale, (room * size) / scale)));
+  if (!found) known.set(key, (found = slotsFor(zone, (room * width * size) / scale, (room * size) / scale, all)));
   return found;
 }
 

@@ -169,7 +169,7 @@ export function drawRobot(context, camera, [x, y, theta]) {
 }
 
 /** @param {Context} context @param {Camera} camera @param {[number, number][]} points @param {string} stroke @param {number} width */
-export function drawLine(context, camera, points, stroke, width) {
+function drawLine(context, camera, points, stroke, width) {
   context.beginPath();
   points.forEach(([x, y], n) => (n === 0 ? context.moveTo(x, y) : context.lineTo(x, y)));
   context.lineCap = "round";
@@ -204,7 +204,7 @@ export function drawPoint(context, camera, [x, y], { fill, closed = false, large
 }
 
 /** @param {Context} context @param {Camera} camera @param {[number, number]} point @param {string} stroke */
-export function drawRing(context, camera, [x, y], stroke) {
+function drawRing(context, camera, [x, y], stroke) {
   context.beginPath();
   context.arc(x, y, 11 * camera.pixel, 0, 2 * Math.PI);
   context.lineWidth = 7 * camera.pixel;

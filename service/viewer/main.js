@@ -23,7 +23,7 @@ let closeOpen = null;
 function show(name) {
   byId("list-view").hidden = name !== "list";
   byId("session-view").hidden = name !== "session";
-  byId("link").hidden = name !== "session";
+  byId("link").hidden = byId("title").hidden = name !== "session";
 }
 
 /** @param {Session} session */

@@ -8,7 +8,7 @@ import { handle } from "./gestures.js";
 import { drawLabels } from "./labels.js";
 import { layerMenu } from "./layermenu.js";
 import * as layers from "./layers.js";
-import { colour, shade } from "./palette.js";
+import { shade } from "./palette.js";
 import { Walls } from "./walls.js";
 
 const LEGEND = 28; // pixels

@@ -1,6 +1,6 @@
 /** Turn the bodies of the service into what views draw; what has not changed stays the same object. */
 
-import { growBox, noBox, pole } from "./geometry.js";
+import { growBox, noBox, pole, thinned } from "./geometry.js";
 
 /**
  * @typedef {object} Zone
@@ -32,17 +32,11 @@ function ringsOf(geometry) {
   return geometry.type === "Polygon" ? geometry.coordinates : geometry.coordinates.flat();
 }
 
-/** @param {import("./geometry.js").Ring[]} rings @param {number} [least] distance from point to point, in m */
-function pathOf(rings, least = 0) {
+/** @param {import("./geometry.js").Ring[]} rings */
+function pathOf(rings) {
   const path = new Path2D();
   for (const ring of rings) {
-    let [lx, ly] = ring[0];
-    path.moveTo(lx, ly);
-    for (const [x, y] of ring) {
-      if (Math.abs(x - lx) + Math.abs(y - ly) < least) continue;
-      path.lineTo(x, y);
-      [lx, ly] = [x, y];
-    }
+    draw(path, ring);
     path.closePath();
   }
   return path;
@@ -75,8 +69,8 @@ export function zonesOf(body, known, numbers) {
       id: feature.id, label: about.label, area: about.area, since: about.since, seq: about.seq,
       number, rings, box,
       get path() { return (path ??= pathOf(rings)); },
-      get coarse() { return (coarse ??= pathOf(rings, size / 30)); },
-      get pole() { return (middle ??= pole(rings, box)); },
+      get coarse() { return (coarse ??= pathOf(thinned(rings, size / 30))); },
+      get pole() { return (middle ??= pole(thinned(rings, size / 60), box)); },
     };
     known.set(key, zone);
     return zone;

@@ -23,9 +23,10 @@ const known = new WeakMap();
 
 /**
  * @param {import("./model.js").Zone} zone @param {number} width of the name in m @param {number} height
+ * @param {boolean} all that there are, for where something may be in the way of the best
  * @returns {Slot[]} the best first; all are level, or all are turned
  */
-export function slotsFor(zone, width, height) {
+export function slotsFor(zone, width, height, all) {
   const { box } = zone;
   if (Math.hypot(box[2] - box[0], box[3] - box[1]) < width) return [];
   let about = known.get(zone);
@@ -33,7 +34,7 @@ export function slotsFor(zone, width, height) {
   for (const angle of about.angles) {
     let grain = about.grains.get(angle);
     if (!grain) about.grains.set(angle, (grain = grainOf(zone, angle)));
-    const found = fit(grain, width, height, zone.pole);
+    const found = fit(grain, width, height, zone.pole, all);
     if (found.length > 0) return found;
   }
   return [];
@@ -117,23 +118,29 @@ function spansOf(crossings) {
   return spans;
 }
 
-/** @param {Grain} grain @param {number} width @param {number} height @param {{x: number, y: number}} pole @returns {Slot[]} */
-function fit({ angle, low, step, rows }, width, height, pole) {
+/** @param {Grain} grain @param {number} width @param {number} height @param {{x: number, y: number}} pole @param {boolean} all @returns {Slot[]} */
+function fit({ angle, low, step, rows }, width, height, pole, all) {
   const [c, s] = [Math.cos(angle), Math.sin(angle)];
   const [pu, pv] = [pole.x * c + pole.y * s, pole.y * c - pole.x * s];
   const many = Math.max(2, Math.ceil(height / step));
+  const heights = Array.from({ length: Math.max(ROWS - many + 1, 0) }, (_, first) => ({ first, v: low + (first + many / 2) * step }));
+  heights.sort((one, other) => Math.abs(one.v - pv) - Math.abs(other.v - pv));
   /** @type {Slot[]} */
   const slots = [];
-  for (let first = 0; first + many <= ROWS; first += 1) {
+  let least = Infinity;
+  for (const { first, v } of heights) {
+    if (!all && Math.abs(v - pv) >= least) break;
     let spans = rows[first];
     for (let row = first + 1; row < first + many && spans.length > 0; row += 1) spans = common(spans, rows[row], width);
-    const v = low + (first + many / 2) * step;
     for (const [from, to] of spans) {
       const [left, right] = [from + width / 2, to - width / 2];
       if (left > right) continue;
-      const places = right - left < width ? [(left + right) / 2] : ASIDE.map((times) => Math.min(Math.max(pu + times * width, left), right));
+      const aside = all ? ASIDE : [0];
+      const places = right - left < width ? [(left + right) / 2] : aside.map((times) => Math.min(Math.max(pu + times * width, left), right));
       for (const u of new Set(places)) {
-        slots.push({ x: u * c - v * s, y: u * s + v * c, angle, off: Math.hypot(u - pu, v - pv) });
+        const off = Math.hypot(u - pu, v - pv);
+        least = Math.min(least, off);
+        slots.push({ x: u * c - v * s, y: u * s + v * c, angle, off });
       }
     }
   }

@@ -123,13 +123,14 @@ def test_a_name_is_written_only_where_it_fits(browser: Browser, server: Server) 
             """async (cases) => {
                 const { slotsFor } = await import("/viewer/slots.js");
                 const { zonesOf } = await import("/viewer/model.js");
-                return cases.map(({ zone, width, height }) => slotsFor(
-                    zonesOf({ features: [zone] }, new Map(), new Map())[0], width, height));
+                return cases.map(({ zone, width, height }) => [true, false].map((all) => slotsFor(
+                    zonesOf({ features: [zone] }, new Map(), new Map())[0], width, height, all)));
             }""",
             asked,
         )
     outside, turned = [], 0
-    for (shape, width, height), slots in zip(cases, found, strict=True):
+    for (shape, width, height), (slots, best) in zip(cases, found, strict=True):
+        assert best[:1] == slots[:1]
         assert [slot["off"] for slot in slots] == sorted(slot["off"] for slot in slots)
         for slot in slots:
             box = shapely.box(-width / 2, -height / 2, width / 2, height / 2)
@@ -139,7 +140,7 @@ def test_a_name_is_written_only_where_it_fits(browser: Browser, server: Server) 
         turned += bool(slots) and slots[0]["angle"] != 0
     assert max(outside) < 0.15  # a corner of the name, in which no letter is
     assert sum(outside) / len(outside) < 0.01
-    named = sum(bool(slots) for slots in found)
+    named = sum(bool(slots) for slots, _ in found)
     assert 100 < named < 200  # some are too small
     assert turned > 10
 
@@ -155,7 +156,7 @@ def test_a_zone_that_has_room_has_its_name(browser: Browser, server: Server) -> 
                 const { slotsFor } = await import("/viewer/slots.js");
                 const { zonesOf } = await import("/viewer/model.js");
                 return zones.map((zone) => slotsFor(
-                    zonesOf({ features: [zone] }, new Map(), new Map())[0], 2, 0.5)[0]);
+                    zonesOf({ features: [zone] }, new Map(), new Map())[0], 2, 0.5, false)[0]);
             }""",
             asked,
         )
