@@ -149,8 +149,10 @@ def test_odd_maps_are_drawn(zones: dict[str, Region]) -> None:
 PANEL = (400.0, 400.0)
 
 
-def labels(zones: Mapping[str, Region], lines: BaseGeometry = NO_PATH) -> list[Label]:
-    return place_labels([NamedRegion(*zone) for zone in zones.items()], lines, PANEL)
+def labels(
+    zones: Mapping[str, Region], lines: BaseGeometry = NO_PATH, route: BaseGeometry = NO_PATH
+) -> list[Label]:
+    return place_labels([NamedRegion(*zone) for zone in zones.items()], lines, route, PANEL)
 
 
 class TestLabels:
@@ -165,6 +167,21 @@ class TestLabels:
         (label,) = labels({"room": room}, path)
         assert room.contains(label.box)
         assert label.box.disjoint(path)
+
+    def test_keeps_off_the_route_where_the_trail_is_everywhere(self) -> None:
+        room = shapely.box(0, 0, 200, 200)
+        trail = shapely.MultiLineString([[(0, y), (200, y)] for y in range(0, 201, 5)])
+        begin = shapely.Point(100, 100).buffer(7)
+        (crossed,) = labels({"room": room}, trail)
+        (label,) = labels({"room": room}, trail, begin)
+        assert crossed.box.intersects(begin)
+        assert label.box.disjoint(begin)
+        assert label.size == crossed.size
+
+    def test_crosses_the_route_where_there_is_no_other_place(self) -> None:
+        room = shapely.box(0, 0, 40, 20)
+        (label,) = labels({"room": room}, NO_PATH, room)
+        assert room.contains(label.box)
 
     def test_is_shortened_and_beside_its_zone_where_there_is_no_room(self) -> None:
         tiny = shapely.box(200, 200, 220, 220)

@@ -48,22 +48,23 @@ class Label:
 
 
 def place_labels(
-    zones: Sequence[NamedRegion], lines: BaseGeometry, panel: Point
-) -> list[Label]:  # fmt: skip
+    zones: Sequence[NamedRegion], lines: BaseGeometry, route: BaseGeometry, panel: Point
+) -> list[Label]:
     """Return labels in the order of their zones, none upon another, all within a panel of a size.
 
-    Small zones choose first. Large labels keep off the lines. A name that fits nowhere into its
-    zone, in no size, stands in the least one beside it, if there is room; else it is left out.
+    Small zones choose first. Large labels keep off the lines, smaller ones off the route if they
+    can. A name that fits nowhere into its zone, in no size, stands in the least one
+    beside it, if there is room; else it is left out.
     """
     placed: dict[int, Label] = {}
     order = sorted(range(len(zones)), key=lambda number: zones[number].region.area)
     reach = [_reach(zone) for zone in zones]
     near = STRtree(reach)
-    shapely.prepare(lines)
+    shapely.prepare([lines, route])
     outer = shapely.box(0, 0, *panel)
     for number in order:
         others = [placed[it].box for it in near.query(reach[number]) if it in placed]
-        place = _Place(zones[number], shapely.union_all(others), lines)
+        place = _Place(zones[number], shapely.union_all(others), (lines, route))
         label = place.inside() or (place.beside(outer) if len(zones) <= _CROWD else None)
         if label is not None:
             placed[number] = label
@@ -78,21 +79,26 @@ def _reach(zone: NamedRegion) -> BaseGeometry:
 
 
 class _Place:
-    """Where the label of one zone may be: off what is taken."""
+    """Where the label of one zone may be: off what is taken.
 
-    def __init__(self, zone: NamedRegion, taken: BaseGeometry, lines: BaseGeometry) -> None:
+    Large labels keep off the first of `lines`, others off the last.
+    """
+
+    def __init__(
+        self, zone: NamedRegion, taken: BaseGeometry, lines: tuple[BaseGeometry, BaseGeometry]
+    ) -> None:
         self.words = svg.shortened(zone.name, LENGTH_MAX)
         self.region = polygonal(zone.region.simplify(1.0))  # a pixel does not show
         self.taken, self.lines = taken, lines
         shapely.prepare([self.region, taken])
 
     def inside(self) -> Label | None:
-        """Return a label in the zone, as large as fits; large ones keep off the lines."""
+        """Return a label in the zone, as large as fits."""
         if not self._wide_enough(SIZES[-1]):
             return None
-        middles, nothing = _places(self.region), shapely.Point()
-        tries = [*((size, self.lines) for size in LARGE), *((size, nothing) for size in SIZES)]
-        for size, crossed in tries:
+        middles, (lines, route) = _places(self.region), self.lines
+        wishes = ((LARGE, lines), (SIZES, route), (SIZES, shapely.Point()))
+        for size, crossed in ((size, off) for sizes, off in wishes for size in sizes):
             if not self._wide_enough(size):
                 continue
             boxes = _boxes(self.words, middles, size)

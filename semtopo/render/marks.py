@@ -6,6 +6,9 @@ from semtopo.render import svg
 from semtopo.render.palette import FRONTIER, HALO, ROUTE
 from semtopo.types import Floats, Point
 
+ROUTE_HALF = 7.0
+"""Pixels from the middle of a route, or of the marks at its ends, to where they surely end."""
+
 
 def passage_mark(at: Point, half: float = 5.0) -> str:
     """Return the outline of the mark of a passage point, a square on its corner; in pixels."""

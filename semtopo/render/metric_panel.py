@@ -7,7 +7,7 @@ from collections.abc import Iterator, Sequence
 
 import numpy as np
 import shapely
-from shapely.geometry.base import BaseGeometry
+from shapely import LineString, MultiLineString
 
 from semtopo.borders import border_pieces
 from semtopo.geometry import Region
@@ -19,7 +19,7 @@ from semtopo.render.axes import draw_axes
 from semtopo.render.drawing import Drawing, Layer
 from semtopo.render.frame import Frame
 from semtopo.render.labels import NamedRegion, place_labels
-from semtopo.render.marks import frontier_line, passage_mark, route_ends, route_line
+from semtopo.render.marks import ROUTE_HALF, frontier_line, passage_mark, route_ends, route_line
 from semtopo.render.palette import DIM, DOORWAY, HALO, INK, OCCUPANCY, shade
 from semtopo.types import Floats, Occupancy, Point
 
@@ -171,7 +171,10 @@ def _passages(passages: Sequence[Passage], frame: Frame) -> Iterator[str]:
 def _names(zones: Sequence[MappedZone], drawing: Drawing, frame: Frame) -> Iterator[str]:
     """Yield the name of each zone that has room for it."""
     named = [NamedRegion(it.zone_id, shapely.transform(it.region, frame.pixels)) for it in zones]
-    for label in place_labels(named, _lines(drawing, frame), frame.size):
+    trail = _line(drawing.trail if drawing.shows(Layer.TRAIL) else (), frame)
+    route = _line(() if drawing.route is None else drawing.route.line, frame)
+    lines = MultiLineString([line for line in (trail, route) if not line.is_empty])
+    for label in place_labels(named, lines, route.buffer(ROUTE_HALF), frame.size):
         x, y = label.middle
         yield svg.text(
             label.words,
@@ -187,9 +190,6 @@ def _names(zones: Sequence[MappedZone], drawing: Drawing, frame: Frame) -> Itera
         )
 
 
-def _lines(drawing: Drawing, frame: Frame) -> BaseGeometry:
-    """Return what names keep off where they can, in pixels: the trail and the route."""
-    trail = drawing.trail if drawing.shows(Layer.TRAIL) else ()
-    route = () if drawing.route is None else drawing.route.line
-    lines = [frame.pixels(np.array([*line, *line[-1:]])) for line in (trail, route) if line]
-    return shapely.MultiLineString(lines)
+def _line(points: Sequence[Point], frame: Frame) -> LineString:
+    """Return a line in pixels; of a single point, a line to itself."""
+    return LineString(frame.pixels(np.array([*points, *points[-1:]])) if points else [])
