@@ -23,24 +23,20 @@ from service.sessions import Sessions
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class PictureRequest:
-    """Asks for a picture of a map as of step `at`, and of a route in it from zone to zone, if any.
-
-    With a `radius` in m, the route is drawn as a path for a robot of that size.
-    """
+    """Asks for a picture of a map as of step `at`, and of a route in it, if any."""
 
     form: Form
     at: int | None = None
     width: int | None = None
     height: int | None = None
     layers: frozenset[Layer] = DEFAULT_LAYERS
-    route: tuple[str, str] | None = None
-    radius: float | None = None
+    route: RouteQuery | None = None
 
     @property
     def kind(self) -> str:
         """What tells its body from those of other requests for the same map."""
         size = f"{self.width} {self.height}"
-        return f"picture {self.form} {size} {sorted(self.layers)} {self.route} {self.radius}"
+        return f"picture {self.form} {size} {sorted(self.layers)} {self.route}"
 
 
 class Pictures:
@@ -80,18 +76,14 @@ class Pictures:
         drawing = Drawing(
             trail=await self._sessions.read(query),
             layers=asked.layers, width=asked.width, height=asked.height,
-            route=await self._route(moment.atlas(state), asked),
+            route=await self._route(moment.atlas(state), asked.route),
         )  # fmt: skip
         svg = await asyncio.to_thread(render, state, drawing)
         return svg.encode() if asked.form is Form.SVG else await self._painter.png_of(svg)
 
-    async def _route(self, atlas: Atlas, asked: PictureRequest) -> DrawnRoute | None:
+    async def _route(self, atlas: Atlas, asked: RouteQuery | None) -> DrawnRoute | None:
         """Return the route that is to be drawn, if any is; with a radius, its path."""
-        if asked.route is None:
-            return None
-        source, target = asked.route
-        query = RouteQuery(source=source, target=target, radius=asked.radius)
-        return await asyncio.to_thread(_drawn_route, atlas, query)
+        return None if asked is None else await asyncio.to_thread(_drawn_route, atlas, asked)
 
 
 def _drawn_route(atlas: Atlas, query: RouteQuery) -> DrawnRoute:

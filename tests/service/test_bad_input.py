@@ -323,6 +323,8 @@ QUERIES = [
     *(case(f"picture {it}", f"/map.svg?{it}", 422, "invalid_request")
       for it in ("width=239", "height=4097", "width=-1", "width=1e3", "width=", "at=-1",
                  "from=corridor", "to=A", "from=&to=A", "from=A&to=A&radius=-1", "radius=nan",
+                 "from=A&to=A&avoid=", "from=A&to=A&via=", "two_way=perhaps",
+                 "from=A&to=A" + 101 * "&avoid=A", "from=A&to=A" + 21 * "&via=A",
                  f"layers={'a' * 201}")),
     *(case(f"layers {it}", f"/map.png?layers={it}", 422, "invalid_option")
       for it in ("", "walls", "zones,,graph", "%00", MARKER)),

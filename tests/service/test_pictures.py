@@ -104,6 +104,24 @@ def test_with_a_radius_the_path_is_drawn(server: Server, session: str, twin: Twi
     assert shown.decode() == render(twin.states[-1], Drawing(trail=TRAIL, route=drawn))
 
 
+def test_the_route_that_is_asked_for_is_drawn(server: Server, session: str, twin: Twin) -> None:
+    """On the way from A to B by C, the corridor is left where it is not left otherwise."""
+    asked = "from=A&to=B&via=C&two_way=true&avoid=D&avoid="
+    shown = server.client.get(f"{session}/map.svg?{asked}corridor->A").text
+    request = RouteRequest(
+        start=Place("A"), goals=(Place("B"),), via=("C",), avoid_zones=frozenset({"D"}),
+        avoid_passages=frozenset({("corridor", "A", 0)}), two_way=True,
+    )  # fmt: skip
+    route = find_routes(Atlas(twin.states[-1]), request)[0]
+    assert "C" in route.zones
+    drawn = DrawnRoute(route.points, frozenset(passage.key for passage in route.passages))
+    assert shown == render(twin.states[-1], Drawing(trail=TRAIL, route=drawn))
+    plain = server.get(f"{session}/map.svg", **{"from": "A", "to": "B"}).decode()
+    assert plain != shown
+    refused = server.client.get(f"{session}/map.svg?{asked}corridor")
+    assert (refused.status_code, refused.json()["code"]) == (409, "no_route")
+
+
 def test_a_png_has_the_size_asked_for_and_shows_the_map(server: Server, session: str) -> None:
     answer = server.client.get(f"{session}/map.png", params={"width": 800, "height": 400})
     assert answer.headers["Content-Type"] == "image/png"
