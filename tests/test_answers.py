@@ -313,6 +313,12 @@ def test_a_zone_with_the_robot_in_it_was_more_than_looked_into() -> None:
     assert "looked into" not in str(refused.value)
 
 
+def test_a_zone_that_was_looked_into_by_two_doors_was_looked_into_from_one_zone() -> None:
+    twice = atlas([("hall", "den", (0, 0)), ("hall", "den", (5, 0), 1), ("hall", "bath", (9, 0))])
+    with pytest.raises(NoRouteError, match=r"only looked into, from hall\."):
+        answer(twice, "path from den to bath")
+
+
 def test_what_two_way_promises_it_keeps() -> None:
     both = WayOptions(two_way=True)
     found = answer(ROBOT, "path from balcony to bath", options=both)

@@ -23,7 +23,7 @@ LAYERS = [
     {"metric"}, {"placement"},
     {"borders", "graph"}, {"findings"}, {"mapper"},
     {"notes"}, {"following"}, {"atlas", "expectations", "grammar", "likeness", "questions"},
-    {"errand", "ground"}, {"network"}, {"search"}, {"gap", "journey"}, {"finder"},
+    {"errand", "ground"}, {"network"}, {"search"}, {"gap", "journey"}, {"dense", "finder"},
     {"names", "phrases", "reading", "route"},
     {"answers"},
     {"codec", "documents", "readback", "wkb"},

@@ -213,7 +213,7 @@ def _reason(gap: NoRouteError) -> str:
 def _looked_into(atlas: Atlas, zone_id: str) -> Iterator[str]:
     """Say from where a zone was looked into, if no way out of it is known, nor is one in it."""
     pairs = atlas.state.graph.pairs
-    before = [source for source, target in pairs if target == zone_id]
+    before = list(dict.fromkeys(source for source, target in pairs if target == zone_id))
     if before and atlas.state.here != zone_id and all(source != zone_id for source, _ in pairs):
         yield f"{zone_id} was only looked into, from {listed(before)}."
 
