@@ -118,7 +118,7 @@ export class AskBox {
     const { route } = body;
     if (route) facts.push(`${route.zones.join(" \u2192 ")} \u00b7 ${fixed(route.length)} m`);
     if (gap?.frontier) facts.push("The green ring on the map marks the frontier to explore.");
-    if (gap?.missing) facts.push("The dashed arrow of the graph is the passage that is missing.");
+    if (gap?.missing) facts.push("The dashed arrow is the passage that is missing.");
     const near = [...(body.closest ?? []), ...(body.candidates ?? [])];
     if (near.length > 0) facts.push(`Known are: ${near.join(", ")}.`);
     if (this.session.state.at !== null) facts.push(`This is about the newest map, that of step ${this.session.state.seq}.`);

@@ -8,7 +8,11 @@ const MARGIN = 24; // pixels around all of them
 const ROOMY = 4; // times the room that nodes need, above which they are drawn larger
 const LARGER_MAX = 2;
 const GROWTH = 1.1;
-const CROWDED = 0.6; // of the nodes may be too near to others before they are moved apart
+const CROWDED = 0.15; // of the nodes may be too near to others before they are moved apart
+const CROWDED_FEW = 0.6; // the same of so few that it leaves no disorder
+const FEW = 40;
+const ENOUGH = 2; // times the panel that would be just filled: rows and columns stay in order
+const ENOUGH_FEW = 1.3;
 const STRETCH_MAX = 3; // of one axis against the other, so that the panel is filled
 const ROUNDS = 80;
 const MOVES_MAX = 20_000; // of nodes, so that many are laid out quickly, too
@@ -66,7 +70,9 @@ function spread(placed, across, up) {
   const room = placed.reduce((sum, one) => sum + (2 * one.half + BESIDE) * (2 * HALF_HEIGHT + BELOW), 0);
   const most = placed.reduce((widest, one) => Math.max(widest, one.half), 0);
   const full = Math.sqrt(room / (across * up)); // times the panel that would be just filled
-  const enough = Math.max(1, 1.3 * full);
+  const isFew = placed.length <= FEW;
+  const enough = Math.max(1, (isFew ? ENOUGH_FEW : ENOUGH) * full);
+  const crowded = (isFew ? CROWDED_FEW : CROWDED) * placed.length;
   const first = Math.min(Math.max(Math.sqrt(ROOMY) * full, 1 / LARGER_MAX), 1);
   for (let times = Math.max(first, 0.8 * full); ; times *= GROWTH) {
     const [sx, sy] = [Math.max(times * across - 2 * most, 1) / width, Math.max(times * up - 2 * HALF_HEIGHT, 1) / height];
@@ -76,7 +82,7 @@ function spread(placed, across, up) {
       one.x = (homes[n][0] - left) * tx + Math.cos(one.number * 2.4) * 3;
       one.y = (homes[n][1] - low) * ty + Math.sin(one.number * 2.4) * 3;
     });
-    if (times >= enough || neighbours(placed).length <= CROWDED * placed.length) break;
+    if (times >= enough || neighbours(placed).length <= crowded) break;
   }
 }
 

@@ -16,7 +16,7 @@ const HIT_PIXELS = 10;
 const BEHIND_MAX = 3; // steps; older beams are none of where the robot is
 const MARKED = 18; // pixels from mark to mark on a route
 const MARKS_MAX = 200;
-const WIDE = [1.4, 1.7]; // times as wide as high: less has the graph beside it on a wall screen, more below it
+const WIDE = [1.8, 2.1]; // times as wide as high: less has the graph beside it on a wall screen, more below it
 const PLAIN_MAX = 250; // so many have no passage points where they are small
 const HINTS = {
   driving: "Click where the robot should begin.",
@@ -202,7 +202,7 @@ export class MapView {
     const { poses, answer } = this.state;
     const pose = poses[this.session.shown - 1];
     const sight = this.sight();
-    const onLines = (answer?.lines ?? []).flatMap((/** @type {any} */ line) => pointsAlong(line, MARKED * this.camera.pixel, MARKS_MAX));
+    const onLines = [...(answer?.lines ?? []), ...(answer?.missing ?? [])].flatMap((/** @type {any} */ line) => pointsAlong(line, MARKED * this.camera.pixel, MARKS_MAX));
     const marks = [...(pose ? [pose.slice(0, 2)] : []), ...(answer?.points ?? []), ...(answer?.frontiers ?? []), ...onLines];
     return { marks, sight: sight && growBox(noBox(), sight.ends) };
   }
