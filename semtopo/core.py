@@ -25,6 +25,10 @@ RIM = 0.25
 """Share of the tolerance by which scans may go beyond the core; the rest is for the border."""
 
 
+MITRE = 5.0
+"""Times the rim's width; no corner of it is farther out."""
+
+
 @dataclass(frozen=True, eq=False)
 class Core:
     """What is known of a zone's extent before its border is reduced.
@@ -50,15 +54,29 @@ class Core:
 
         If there are `sectors`, they are what the other consists of.
         """
-        if self.rim.covers(seen.region):
+        if not self._is_left(seen) and self.rim.covers(seen.region):
             return self
         fused = fuse(self.extent, seen, sectors)
         return self if fused is self.extent else Core(fused, self.tolerance)
 
+    def _is_left(self, seen: Extent) -> bool:
+        """Say whether a vertex of another extent is certainly beyond the rim.
+
+        To see that costs less than to make the rim, where that is not made yet: while a place is
+        being explored, the core changes with every scan.
+        """
+        if "rim" in vars(self):
+            return False
+        shapely.prepare(self.region)
+        farthest = MITRE * RIM * self.tolerance
+        return not shapely.dwithin(self.region, shapely.points(seen.border.xy), farthest).all()
+
     @cached_property
     def rim(self) -> Region:
         """The region with a rim around it, ready to be asked often what it covers."""
-        wide = polygonal(shapely.buffer(self.region, RIM * self.tolerance, join_style="mitre"))
+        wide = polygonal(
+            shapely.buffer(self.region, RIM * self.tolerance, join_style="mitre", mitre_limit=MITRE)
+        )
         shapely.prepare(wide)
         return wide
 

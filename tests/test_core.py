@@ -9,6 +9,7 @@ from random import Random
 import numpy as np
 import pytest
 import shapely
+import shapely.affinity
 from hypothesis import given
 
 from semtopo.borders import border_pieces
@@ -21,6 +22,7 @@ from semtopo.metric import MappedZone
 from semtopo.sensor import Sensor
 from semtopo.types import MappingOptions, Occupancy, Point, Sensing
 from semtopo.wkb import shape_bytes, shape_from
+from tests.regions import tiles
 from tests.strategies import Scene, patient, scenes
 
 EXAMPLE = Path(__file__).parents[1] / "examples" / "paper"
@@ -168,3 +170,19 @@ def test_any_map_lies_within_its_tolerance(scene: Scene) -> None:
             assert (
                 zone.region.symmetric_difference(wanted.region).area <= 0.05 * wanted.region.length
             )
+
+
+def test_a_core_takes_in_what_its_rim_does_not_cover() -> None:
+    """Whether that is seen from the vertices, or from the rim, which is then ready for the next."""
+    taken = 0
+    for seed in range(60):
+        chance = Random(seed)
+        core = Core(Extent.of(tiles(chance)), 0.4)
+        shift = 10 ** chance.uniform(-3, 0)
+        seen = Extent.of(shapely.affinity.translate(core.region, shift, -shift / 2))
+        covered = Core(core.extent, core.tolerance).rim.covers(seen.region)
+        assert (core.grown(seen) is core) == covered
+        assert core.rim.covers(core.region)
+        assert (core.grown(seen) is core) == covered  # now that the rim is there
+        taken += not covered
+    assert 10 < taken < 50
