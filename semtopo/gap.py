@@ -10,7 +10,7 @@ from dataclasses import dataclass
 
 import numpy as np
 import shapely
-from shapely import LineString
+from shapely import MultiLineString
 
 from semtopo.borders import border_pieces
 from semtopo.errand import Errand, Terms
@@ -91,20 +91,17 @@ def _frontier(state: MapState, network: Network, gap: Gap) -> NearestFrontier | 
         if best is not None and apart[place] >= best.distance:
             break
         zone = near[own[place]]
-        lines = [
-            LineString(it.line) for it in border_pieces(zone) if it.occupancy is Occupancy.FREE
-        ]
+        lines = [it.line for it in border_pieces(zone) if it.occupancy is Occupancy.FREE]
         if not lines:
             continue
-        (line, to), distances = tree.query_nearest(lines, return_distance=True, all_matches=False)
-        first = int(np.argmin(distances))
-        if best is None or distances[first] < best.distance:
-            point = _nearest_on(lines[line[first]], beyond[to[first]].region)
-            towards, distance = beyond[to[first]].zone_id, float(distances[first])
-            best = NearestFrontier(zone.zone_id, point, towards, distance)
+        free = MultiLineString(lines)  # all at once: each alone is held against whole zones
+        (to,), (distance,) = tree.query_nearest(free, return_distance=True, all_matches=False)
+        if best is None or distance < best.distance:
+            point = _nearest_on(free, beyond[to].region)
+            best = NearestFrontier(zone.zone_id, point, beyond[to].zone_id, float(distance))
     return best
 
 
-def _nearest_on(line: LineString, region: shapely.Geometry) -> Point:
-    x, y = shapely.get_coordinates(shapely.shortest_line(line, region))[0]
+def _nearest_on(lines: MultiLineString, region: shapely.Geometry) -> Point:
+    x, y = shapely.get_coordinates(shapely.shortest_line(lines, region))[0]
     return (float(x), float(y))
