@@ -11,17 +11,22 @@ import json
 import math
 from collections.abc import Iterator
 from functools import cache
-from itertools import pairwise
+from itertools import pairwise, permutations
 from pathlib import Path
+from random import Random
 from typing import Any
 
 import numpy as np
 import pytest
 import shapely
 
+from semtopo.answers import answer
+from semtopo.answers.values import PathAnswer
 from semtopo.atlas import Atlas
 from semtopo.errors.ways import NoRouteError, TooNarrowError
 from semtopo.geometry import joined
+from semtopo.ground import Ground, ground_of
+from semtopo.journey import WayOptions
 from semtopo.mapper import Step, run
 from semtopo.route import Place, Route, RouteRequest, find_routes
 from semtopo.runs import LabelledRuns, from_runs
@@ -177,3 +182,32 @@ def test_the_way_around_what_is_avoided() -> None:
     with pytest.raises(NoRouteError) as caught:
         asked(avoid_zones=frozenset({"corridor"}))
     assert caught.value.restricted
+
+
+def test_lengths_in_windows_are_those_in_the_whole_corridor() -> None:
+    state = drive()[1][-1].state
+    ground = ground_of(state.metric, "corridor")
+    whole = Ground(ground.zone, ground.doorways)
+    whole._spent = whole.size
+    points = [it.point for it in state.graph.passages.values() if "corridor" in it.key]
+    bent = 0
+    for start, end in Random(0).sample(list(permutations(points, 2)), 60):
+        alone = Ground(ground.zone, ground.doorways)
+        length = alone.length(start, end)
+        assert length == pytest.approx(whole.length(start, end), abs=1e-9)
+        bent += length > math.dist(start, end)
+        assert alone._spent < 2 * alone.size
+    assert bent > 30
+
+
+def test_a_room_that_was_only_looked_into_says_so() -> None:
+    with pytest.raises(NoRouteError, match="room-12 was only looked into, from corridor") as caught:
+        answer(Atlas(drive()[1][-1].state), "path from room-12 to room-2")
+    assert caught.value.two_way
+    assert caught.value.missing is not None
+    assert "With two_way" in str(caught.value)
+    both = WayOptions(two_way=True)
+    found = answer(Atlas(drive()[1][-1].state), "path from room-12 to room-2", options=both)
+    assert isinstance(found, PathAnswer)
+    assert found.route.zones == ("room-12", "corridor", "room-2")
+    assert [it.source for it in found.route.backwards] == ["corridor"]
