@@ -1,10 +1,10 @@
 /** Questions in words; the answer in words, and on the map. */
 
-import { Problem, getJson, sendJson } from "./api.js";
+import { Problem, sendJson } from "./api.js";
 import { byId, complain, el, fixed } from "./dom.js";
 import { edgeKey } from "./model.js";
 
-const RADIUS = 0.1; // m, of the robot for which a path is drawn
+const FOR_WANT_OF_ROOM = new Set(["too_narrow", "outside_free_space", "not_connected"]);
 
 /**
  * @typedef {object} Answer what views draw of an answer
@@ -34,8 +34,11 @@ export class AskBox {
     };
     byId("question").value = "";
     byId("answer").replaceChildren();
+    byId("robot-radius").onchange = () => this.askAgain();
+    byId("two-way").onclick = () => this.goBothWays(!this.twoWay);
+    this.twoWay = byId("two-way").getAttribute("aria-pressed") === "true";
     session.store.on(["graph"], () => this.suggest());
-    session.store.on(["restrictions"], () => { if (this.asked) void this.ask(this.asked); });
+    session.store.on(["restrictions"], () => this.askAgain());
   }
 
   /** Offer a question that this map can answer, as an example. */
@@ -45,54 +48,61 @@ export class AskBox {
     if (last) byId("question").placeholder = `path from ${quoted(last.source)} to ${quoted(last.target)}`;
   }
 
+  /** @param {boolean} twoWay */
+  goBothWays(twoWay) {
+    this.twoWay = twoWay;
+    byId("two-way").setAttribute("aria-pressed", String(twoWay));
+    this.askAgain();
+  }
+
+  askAgain() {
+    if (this.asked) void this.ask(this.asked);
+  }
+
   /** @param {string} text */
   async ask(text) {
     if (!text) return;
     const number = (this.number += 1);
     this.asked = text;
     try {
-      const answer = await sendJson(`${this.session.path}/query`, { text });
-      if (number !== this.number) return undefined;
-      this.show(answer.sentence, answer, false);
-      if (answer.route?.passages.length > 0) await this.addPath(answer, number);
+      const [answer, note] = await this.answered(text);
+      if (number === this.number) this.show(answer.sentence, answer, false, note);
     } catch (error) {
-      if (!(error instanceof Problem)) return complain(error);
-      if (number === this.number) this.show(error.message, error.body, true);
+      if (!(error instanceof Problem)) complain(error);
+      else if (number === this.number) this.show(error.message, error.body, true);
     }
-    return undefined;
   }
 
-  /** @param {string} words @param {any} body @param {boolean} refused */
-  show(words, body, refused) {
+  /**
+   * Ask for a path on which the robot fits; if it fits on none, for the way alone.
+   * @param {string} text @returns {Promise<[any, string?]>} the answer, and why there is no path
+   */
+  async answered(text) {
+    const radius = byId("robot-radius").valueAsNumber;
+    const question = { text, two_way: this.twoWay };
+    const path = `${this.session.path}/query`;
+    if (Number.isNaN(radius)) return [await sendJson(path, question)];
+    try {
+      return [await sendJson(path, { ...question, radius })];
+    } catch (error) {
+      if (!(error instanceof Problem) || !FOR_WANT_OF_ROOM.has(error.body.code)) throw error;
+      const words = `${error.message.charAt(0).toLowerCase()}${error.message.slice(1)}`;
+      return [await sendJson(path, question), `No path is drawn: ${words}`];
+    }
+  }
+
+  /** @param {string} words @param {any} body @param {boolean} refused @param {string} [note] */
+  show(words, body, refused, note) {
     const box = byId("answer");
     box.classList.toggle("refused", refused);
     const gap = refused ? body : body.gap;
     box.replaceChildren(
       el("p", { class: "said" }, words),
-      ...this.facts(body, gap).map((fact) => el("p", { class: "facts" }, fact)),
+      ...[...this.facts(body, gap), ...(note ? [note] : [])].map((fact) => el("p", { class: "facts" }, fact)),
       el("div", { class: "chips" }, ...this.offers(body),
         el("button", { type: "button", onclick: () => this.clear() }, "Clear")),
     );
     this.session.store.set({ answer: gap ? this.gap(gap) : this.found(body) });
-  }
-
-  /** Draw the path that a robot can drive, where there is one. @param {any} answer @param {number} number */
-  async addPath(answer, number) {
-    const { route } = answer;
-    const query = new URLSearchParams({ from: route.source, to: route.target, radius: String(RADIUS) });
-    for (const zone of route.zones.slice(1, -1)) query.append("via", zone);
-    if (route.points) [query.set("x", route.points[0][0]), query.set("y", route.points[0][1])];
-    let words;
-    try {
-      const { path } = await getJson(`${this.session.path}/route?${query}`);
-      if (number !== this.number) return;
-      this.session.store.set({ answer: this.found({ ...answer, route: { ...route, path } }) });
-      words = `A path of ${fixed(path.length)} m keeps ${fixed(path.clearance)} m from all that is not free.`;
-    } catch (error) {
-      if (!(error instanceof Problem)) throw error;
-      words = `No path is drawn: ${error.message.charAt(0).toLowerCase()}${error.message.slice(1)}`;
-    }
-    if (number === this.number) byId("answer").querySelector(".chips").before(el("p", { class: "facts" }, words));
   }
 
   clear() {
@@ -106,10 +116,14 @@ export class AskBox {
   /** @param {any} body @returns {HTMLElement[]} questions to ask instead */
   offers(body) {
     const texts = [body.example, ...(body.readings ?? [])].filter((one) => typeof one === "string");
-    return texts.map((text) => el("button", { type: "button", onclick: () => {
+    const offers = texts.map((text) => el("button", { type: "button", onclick: () => {
       byId("question").value = text;
       void this.ask(text);
     } }, text));
+    if (body.two_way && !this.twoWay) {
+      offers.push(el("button", { type: "button", onclick: () => this.goBothWays(true) }, "Use passages both ways"));
+    }
+    return offers;
   }
 
   /** @param {any} body @param {any} gap @returns {string[]} */
@@ -117,7 +131,8 @@ export class AskBox {
     const facts = [];
     const { route } = body;
     if (route) facts.push(`${route.zones.join(" \u2192 ")} \u00b7 ${fixed(route.length)} m`);
-    if (gap?.frontier) facts.push("The green ring on the map marks the frontier to explore.");
+    if (route?.path) facts.push(`The path keeps ${fixed(route.path.clearance)} m from all that is not free.`);
+    if (gap?.frontier && !gap.restricted) facts.push("The green ring on the map marks the frontier to explore.");
     if (gap?.missing) facts.push("The dashed arrow is the passage that is missing.");
     const near = [...(body.closest ?? []), ...(body.candidates ?? [])];
     if (near.length > 0) facts.push(`Known are: ${near.join(", ")}.`);
@@ -167,7 +182,7 @@ export class AskBox {
       const to = this.session.state.moment.zones.find((zone) => zone.id === target)?.pole;
       if (back && to) shown.missing.push([back.point, [to.x, to.y]]);
     }
-    if (body.frontier) shown.frontiers.push(body.frontier.point);
+    if (body.frontier && !body.restricted) shown.frontiers.push(body.frontier.point);
     return shown;
   }
 }

@@ -279,6 +279,36 @@ def test_a_closed_passage_changes_the_route(browser: Browser, server: Server) ->
         expect(answer).to_contain_text(f"west → {other} → east")  # somebody else closed it
 
 
+def test_a_robot_has_a_radius_and_may_go_both_ways(browser: Browser, server: Server) -> None:
+    path = driven(server, 29)  # C was left for the corridor, and never entered from there
+    with opened_page(browser, address(server, path), tolerate="409") as page:
+        shows_step(page, 29, 29)
+        answer = page.locator("#answer")
+        ask(page, "path from corridor to C")
+        expect(answer).to_have_class(re.compile("refused"))
+        answer.get_by_role("button", name="Use passages both ways").click()
+        expect(answer).to_contain_text("against the direction in which it is known")
+        expect(answer).to_contain_text(
+            "No path is drawn: no ground is known between C and corridor"
+        )
+        expect(page.locator("#two-way")).to_have_attribute("aria-pressed", "true")
+        page.get_by_role("button", name="Passages both ways", exact=True).click()
+        expect(answer).to_have_class(re.compile("refused"))
+        for step in STEPS[29:66]:
+            server.step(path, step)
+        shows_step(page, 66, 66)
+        ask(page, "path from corridor to C")
+        expect(answer).to_contain_text("The path keeps 0.1")
+        for radius, words in (("0.3", "The path keeps 0.3"), ("3", "No path is drawn"), ("", "·")):
+            page.get_by_label("Radius, m").fill(radius)
+            page.get_by_label("Radius, m").press("Enter")
+            expect(answer).to_contain_text(words)
+            expect(answer).not_to_have_class(re.compile("refused"))
+            picture(page, f"radius-{radius or 'none'}")
+        expect(answer).not_to_contain_text("The path")
+        expect(answer).not_to_contain_text("No path")
+
+
 def test_map_and_graph_are_linked(browser: Browser, server: Server) -> None:
     path = driven(server, 81)
     with opened_page(browser, address(server, path)) as page:
