@@ -77,9 +77,9 @@ def groups_touching(probes: Polygons, others: Polygons | None = None) -> list[li
 
 def apart(region: Region) -> list[Region]:
     """Return the places of a region that do not touch each other."""
-    parts = shapely.get_parts(region)
-    if len(parts) == 1:
+    if isinstance(region, Polygon):
         return [region]
+    parts = shapely.get_parts(region)
     return [union(parts[group]) for group in groups_touching(parts)]
 
 

@@ -79,10 +79,10 @@ class _Legs:
         if not sector.closed:
             self.gap = self.wedges == len(sector.far) - 1
             self.real &= ~self.gap[:-1]
-        start = course.z[course.sides]
-        ways = course.z[course.sides + 1] - start
+        self.ways = course.z[1:] - course.z[:-1]
+        ways = self.ways[course.sides]
         ways /= np.abs(ways)
-        self.passes = (start.conj() * ways).imag
+        self.passes = (course.z[course.sides].conj() * ways).imag
         self.slant = (sector.along[course.beams].conj() * ways).imag
 
 
@@ -126,8 +126,8 @@ class _Front:
             course.at_vertices.searchsorted(legs, side="right") - 1,
             self._legs.wedges[legs],
         )
-        start, normal, chord = course.z[side], self._normal[wedge], self._chord[wedge]
-        way = course.z[side + 1] - start
+        start, way = course.z[side], self._legs.ways[side]
+        normal, chord = self._normal[wedge], self._chord[wedge]
         share = (self._offset[wedge] - (normal * start).real) / (normal * way).real
         z = start + share * way
         along = ((z - self._start[wedge]) / chord).real
@@ -164,7 +164,7 @@ def _edges_crossed(course: Course, sector: Sector, legs: _Legs, inside: Flags) -
     radii = legs.passes[chosen] / legs.slant[chosen]
     z = radii * sector.along[beam]
     start = course.z[side]
-    share = ((z - start) / (course.z[side + 1] - start)).real
+    share = ((z - start) / legs.ways[side]).real
     near = 0.0 if sector.near is None else sector.near[beam]
     out = (radii - near) / (sector.far[beam] - near)
     first = beam == 0
