@@ -102,7 +102,7 @@ def _covering(known: Extent, place: Point) -> Extent:
 
 
 def _whole(
-    border: Border, course: Course, found: Crossings, crossed: frozenset[int]
+    border: Border, course: Course, found: Crossings, crossed: set[int]
 ) -> Iterator[int]:
     """Yield the rings that stay as they are: not crossed, and not inside the sector."""
     first = course.numbers.searchsorted(border.begins)

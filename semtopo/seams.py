@@ -8,8 +8,8 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 from dataclasses import replace
-from itertools import accumulate, pairwise
-from typing import NamedTuple
+from itertools import accumulate, chain, pairwise
+from typing import NamedTuple, TypeAlias
 
 import numpy as np
 
@@ -22,54 +22,45 @@ from semtopo.types import Floats, Integers
 SIDES = np.uint8(255) - POINT
 """The bits of a mark that tell of its side: a place where borders cross is no point of a scan."""
 
+Run: TypeAlias = tuple[int, int]
+"""Vertices that follow one another: the number of the first, and of the one after the last."""
+
 
 class Seams(NamedTuple):
-    """Places on the sides of a border; each leads along its ring to the next, `after` (places,).
+    """Places on the sides of a border, in plain numbers: for so few, arrays would take longer.
 
-    `side` is the vertex before each place. The vertices from a place to the next are in two runs
-    where the end of the ring lies between; elsewhere the second is empty. `begins` and `spans`
-    (places, 2) say where the runs begin, and how many they are. `rings` are those with a place.
+    Each place leads along its ring to the next, `after`. The vertices between are in one run, or in
+    two where the end of the ring lies between. `side` is the vertex before each place; `rings` are
+    those with a place.
     """
 
     border: Border
-    side: Integers
-    after: Integers
-    begins: Integers
-    spans: Integers
-    rings: frozenset[int]
+    side: list[int]
+    after: list[int]
+    runs: list[list[Run]]
+    rings: set[int]
 
     @classmethod
     def on(cls, border: Border, place: Floats) -> Seams:
         """Return places on sides: the number of the vertex before, and which share lies before."""
-        side, order = place.astype(np.intp), place.argsort()
-        after = np.empty_like(order)
-        after[order[:-1]] = order[1:]
-        runs = list(_by_ring(border, place, order))
-        for _, first, last in runs:
-            after[last] = first
-        begins, spans = np.zeros((2, len(place), 2), dtype=np.intp)
-        begins[:, 0], spans[:, 0] = side, side[after]
-        spans[:, 0] -= side
-        begins += 1
-        for ring, first, last in runs:
-            begin, end = border.begins[ring], border.begins[ring + 1]
-            begins[last, 1] = begin + 1  # a ring's first vertex is its last, too
-            spans[last] = end - 1 - side[last], side[first] - begin
-        return cls(border, side, after, begins, spans, frozenset(ring for ring, _, _ in runs))
-
-
-def _by_ring(border: Border, place: Floats, order: Integers) -> Iterator[tuple[int, int, int]]:
-    """Yield each ring with places on it, with its first and its last of them.
-
-    `order` is that of the places along the border.
-    """
-    rings = len(border.begins) - 1
-    ends = [len(order)] if rings == 1 else place[order].searchsorted(border.begins[1:]).tolist()
-    first = 0
-    for ring, end in enumerate(ends):
-        if first < end:
-            yield ring, int(order[first]), int(order[end - 1])
-        first = end
+        places, begins = place.tolist(), border.begins.tolist()
+        side = list(map(int, places))
+        after, runs, rings = [0] * len(side), [list[Run]()] * len(side), set[int]()
+        order = iter(sorted(range(len(side)), key=places.__getitem__))
+        number = next(order, None)
+        for ring, (begin, end) in enumerate(pairwise(begins)):
+            if number is None or side[number] >= end:
+                continue
+            rings.add(ring)
+            first = number
+            while (following := next(order, None)) is not None and side[following] < end:
+                after[number] = following
+                runs[number] = [(side[number] + 1, side[following] + 1)]
+                number = following
+            after[number] = first
+            runs[number] = [(side[number] + 1, end), (begin + 1, side[first] + 1)]
+            number = following
+        return cls(border, side, after, runs, rings)
 
 
 def joined(
@@ -86,20 +77,18 @@ def joined(
     UnclearError
         The crossings do not fit together.
     """
-    enters = found.enters
-    if (enters[known.after] == enters).any() or (enters[around.after] == enters).any():
-        raise UnclearError
-    leaves, counts = _cycles((~enters).nonzero()[0].tolist(), around.after[known.after].tolist())
-    vertices, lengths = _vertices(known, around, leaves, counts)
-    begins = known.border.begins
-    kept = [np.arange(begins[ring], begins[ring + 1]) for ring in whole]
-    chosen = np.concatenate([*kept, vertices])
+    enters = found.enters.tolist()
+    begins = known.border.begins.tolist()
+    rings = [
+        *([(begins[ring], begins[ring + 1])] for ring in whole), *_rings(known, around, enters)
+    ]  # fmt: skip
+    lengths = [sum(end - begin for begin, end in runs) for runs in rings]
+    chosen = _numbers(list(chain.from_iterable(rings)))
     z = [as_complex(known.border.xy), as_complex(around.border.xy), found.z + position]
-    sides = np.where(enters, around.border.marks[around.side], known.border.marks[known.side])
+    sides = np.where(found.enters, around.border.marks[around.side], known.border.marks[known.side])
     marks = np.concatenate([known.border.marks, around.border.marks, sides & SIDES])
     xy = np.concatenate(z)[chosen].view(np.float64).reshape(-1, 2)
-    begins = np.array([0, *accumulate([*map(len, kept), *lengths])])
-    border = Border(xy, begins, marks[chosen])
+    border = Border(xy, np.array([0, *accumulate(lengths)]), marks[chosen])
     return _checked(border, len(whole)) if known.border.meets else border
 
 
@@ -111,44 +100,37 @@ def _checked(border: Border, first: int) -> Border:
     return replace(border, meets=comes_twice(border.xy, border.begins))
 
 
-def _cycles(leaves: list[int], following: list[int]) -> tuple[Integers, Integers]:
-    """Return the places where rings leave a sector, ring by ring, and how many each ring has."""
-    order: list[int] = []
-    counts: list[int] = []
-    open_ones = set(leaves)
-    for first in leaves:
-        number, before = first, len(order)
-        while number in open_ones:
-            open_ones.remove(number)
-            order.append(number)
-            number = following[number]
-        if len(order) > before:
-            counts.append(len(order) - before)
-    return np.array(order), np.array(counts)
+def _rings(known: Seams, around: Seams, enters: list[bool]) -> Iterator[list[Run]]:
+    """Yield the new rings, each as runs of vertices.
 
-
-def _vertices(
-    known: Seams, around: Seams, leaves: Integers, counts: Integers
-) -> tuple[Integers, list[int]]:
-    """Return the numbers of the vertices of new rings, and how many each ring has.
-
-    They count on from the vertices of the known border to those of the outline, and then to the
+    Vertices count on from those of the known border to those of the outline, and then to the
     crossings.
     """
-    size = len(known.border.xy)
-    crossing = size + len(around.border.xy)
-    entered, ends = known.after[leaves], counts.cumsum()
-    firsts = leaves[ends - counts].repeat(counts)
-    spans, begins = np.empty((2, len(leaves), 7), dtype=np.intp)
-    begins[:, 1:3], spans[:, 1:3] = known.begins[leaves], known.spans[leaves]
-    begins[:, 4:6], spans[:, 4:6] = around.begins[entered], around.spans[entered]
-    begins[:, 4:6] += size
-    begins[:, 0], begins[:, 3], begins[:, 6] = leaves, entered, firsts
-    begins[:, ::3] += crossing
-    spans[:, 0] = spans[:, 3] = 1
-    spans[:, 6] = 0
-    spans[ends - 1, 6] = 1
-    flat = spans.ravel()
-    stops = flat.cumsum()
-    vertices = np.arange(stops[-1]) + (begins.ravel() - stops + flat).repeat(flat)
-    return vertices, np.add.reduceat(spans.sum(axis=1), ends - counts).tolist()
+    outline = len(known.border.xy)
+    crossings = outline + len(around.border.xy)
+    for seams in (known, around):
+        if any(enters[number] == enters[after] for number, after in enumerate(seams.after)):
+            raise UnclearError
+    leaving = [number for number, enter in enumerate(enters) if not enter]
+    open_ones = set(leaving)
+    for first in leaving:
+        leaves, ring = first, list[Run]()
+        while leaves in open_ones:
+            open_ones.remove(leaves)
+            enter = known.after[leaves]
+            ring += [(crossings + leaves, crossings + leaves + 1), *known.runs[leaves]]
+            ring.append((crossings + enter, crossings + enter + 1))
+            ring += [(outline + begin, outline + end) for begin, end in around.runs[enter]]
+            leaves = around.after[enter]
+        if ring:
+            yield [*ring, (crossings + first, crossings + first + 1)]
+
+
+def _numbers(runs: list[Run]) -> Integers:
+    """Return the numbers of the vertices of runs."""
+    flat: Integers = np.fromiter(chain.from_iterable(runs), np.intp, 2 * len(runs))
+    ends = flat[1::2]
+    spans = ends - flat[::2]
+    stops = spans.cumsum()
+    numbers: Integers = np.arange(stops[-1]) + (ends - stops).repeat(spans)
+    return numbers
