@@ -85,7 +85,7 @@ def _swept(known: Extent, sector: Sector) -> Extent:
     if len(found.place) == 0:
         raise UnclearError
     seams = Seams.on(known.border, found.place)
-    around = Seams.on(sector.border, found.around)
+    around = Seams.on(sector.border, found.around, len(known.border.xy))
     for ring in range(len(sector.border.begins) - 1):
         if ring not in around.rings:
             x, y = sector.border.xy[sector.border.begins[ring]]
@@ -101,9 +101,7 @@ def _covering(known: Extent, place: Point) -> Extent:
     return known
 
 
-def _whole(
-    border: Border, course: Course, found: Crossings, crossed: set[int]
-) -> Iterator[int]:
+def _whole(border: Border, course: Course, found: Crossings, crossed: set[int]) -> Iterator[int]:
     """Yield the rings that stay as they are: not crossed, and not inside the sector."""
     first = course.numbers.searchsorted(border.begins)
     for ring in range(len(border.begins) - 1):

@@ -9,7 +9,7 @@ from __future__ import annotations
 from collections.abc import Iterator
 from dataclasses import replace
 from itertools import accumulate, chain, pairwise
-from typing import NamedTuple, TypeAlias
+from typing import NamedTuple
 
 import numpy as np
 
@@ -22,45 +22,46 @@ from semtopo.types import Floats, Integers
 SIDES = np.uint8(255) - POINT
 """The bits of a mark that tell of its side: a place where borders cross is no point of a scan."""
 
-Run: TypeAlias = tuple[int, int]
-"""Vertices that follow one another: the number of the first, and of the one after the last."""
-
 
 class Seams(NamedTuple):
-    """Places on the sides of a border, in plain numbers: for so few, arrays would take longer.
+    """Places on the sides of a border; each leads along its ring to the next, `after`.
 
-    Each place leads along its ring to the next, `after`. The vertices between are in one run, or in
-    two where the end of the ring lies between. `side` is the vertex before each place; `rings` are
+    All but `side`, the vertex before each place, is in plain numbers: for so few, arrays would take
+    longer. The vertices between a place and the next are in one run, or in two where the end of the
+    ring lies between: in `runs` stand the first of each, and the one after its last. `rings` are
     those with a place.
     """
 
     border: Border
-    side: list[int]
+    side: Integers
     after: list[int]
-    runs: list[list[Run]]
+    runs: list[tuple[int, ...]]
     rings: set[int]
 
     @classmethod
-    def on(cls, border: Border, place: Floats) -> Seams:
-        """Return places on sides: the number of the vertex before, and which share lies before."""
-        places, begins = place.tolist(), border.begins.tolist()
-        side = list(map(int, places))
-        after, runs, rings = [0] * len(side), [list[Run]()] * len(side), set[int]()
+    def on(cls, border: Border, place: Floats, start: int = 0) -> Seams:
+        """Return places on sides: the number of the vertex before, and which share lies before.
+
+        In runs, vertices count from a start.
+        """
+        sides = place.astype(np.intp)
+        side, places = sides.tolist(), place.tolist()
+        after, rings = [0] * len(side), set[int]()
+        runs: list[tuple[int, ...]] = [()] * len(side)
         order = iter(sorted(range(len(side)), key=places.__getitem__))
-        number = next(order, None)
-        for ring, (begin, end) in enumerate(pairwise(begins)):
-            if number is None or side[number] >= end:
+        one, base = next(order, None), start + 1
+        for ring, (begin, end) in enumerate(pairwise(border.begins.tolist())):
+            if one is None or side[one] >= end:
                 continue
             rings.add(ring)
-            first = number
-            while (following := next(order, None)) is not None and side[following] < end:
-                after[number] = following
-                runs[number] = [(side[number] + 1, side[following] + 1)]
-                number = following
-            after[number] = first
-            runs[number] = [(side[number] + 1, end), (begin + 1, side[first] + 1)]
-            number = following
-        return cls(border, side, after, runs, rings)
+            first = one
+            while (other := next(order, None)) is not None and side[other] < end:
+                after[one], runs[one] = other, (base + side[one], base + side[other])
+                one = other
+            after[one] = first
+            runs[one] = (base + side[one], start + end, base + begin, base + side[first])
+            one = other
+        return cls(border, sides, after, runs, rings)
 
 
 def joined(
@@ -77,12 +78,10 @@ def joined(
     UnclearError
         The crossings do not fit together.
     """
-    enters = found.enters.tolist()
     begins = known.border.begins.tolist()
-    rings = [
-        *([(begins[ring], begins[ring + 1])] for ring in whole), *_rings(known, around, enters)
-    ]  # fmt: skip
-    lengths = [sum(end - begin for begin, end in runs) for runs in rings]
+    rings = list(_rings(known, around, found.enters.tolist()))
+    rings[:0] = [(begins[ring], begins[ring + 1]) for ring in whole]
+    lengths = [sum(runs[1::2]) - sum(runs[::2]) for runs in rings]
     chosen = _numbers(list(chain.from_iterable(rings)))
     z = [as_complex(known.border.xy), as_complex(around.border.xy), found.z + position]
     sides = np.where(found.enters, around.border.marks[around.side], known.border.marks[known.side])
@@ -100,35 +99,33 @@ def _checked(border: Border, first: int) -> Border:
     return replace(border, meets=comes_twice(border.xy, border.begins))
 
 
-def _rings(known: Seams, around: Seams, enters: list[bool]) -> Iterator[list[Run]]:
+def _rings(known: Seams, around: Seams, enters: list[bool]) -> Iterator[tuple[int, ...]]:
     """Yield the new rings, each as runs of vertices.
 
     Vertices count on from those of the known border to those of the outline, and then to the
     crossings.
     """
-    outline = len(known.border.xy)
-    crossings = outline + len(around.border.xy)
+    leaves = [not enter for enter in enters]
     for seams in (known, around):
-        if any(enters[number] == enters[after] for number, after in enumerate(seams.after)):
+        if [enters[number] for number in seams.after] != leaves:
             raise UnclearError
-    leaving = [number for number, enter in enumerate(enters) if not enter]
-    open_ones = set(leaving)
-    for first in leaving:
-        leaves, ring = first, list[Run]()
-        while leaves in open_ones:
-            open_ones.remove(leaves)
-            enter = known.after[leaves]
-            ring += [(crossings + leaves, crossings + leaves + 1), *known.runs[leaves]]
-            ring.append((crossings + enter, crossings + enter + 1))
-            ring += [(outline + begin, outline + end) for begin, end in around.runs[enter]]
-            leaves = around.after[enter]
+    crossings = len(known.border.xy) + len(around.border.xy)
+    open_ones = {number for number, leave in enumerate(leaves) if leave}
+    for first in sorted(open_ones):
+        leave, ring = first, list[int]()
+        while leave in open_ones:
+            open_ones.remove(leave)
+            enter = known.after[leave]
+            one, other = crossings + leave, crossings + enter
+            ring += (one, one + 1, *known.runs[leave], other, other + 1, *around.runs[enter])
+            leave = around.after[enter]
         if ring:
-            yield [*ring, (crossings + first, crossings + first + 1)]
+            yield (*ring, crossings + first, crossings + first + 1)
 
 
-def _numbers(runs: list[Run]) -> Integers:
+def _numbers(runs: list[int]) -> Integers:
     """Return the numbers of the vertices of runs."""
-    flat: Integers = np.fromiter(chain.from_iterable(runs), np.intp, 2 * len(runs))
+    flat = np.array(runs)
     ends = flat[1::2]
     spans = ends - flat[::2]
     stops = spans.cumsum()
