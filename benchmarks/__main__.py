@@ -37,7 +37,7 @@ def main() -> None:
     parser.add_argument("--out", type=Path, default=Path("var/bench.json"))
     parser.add_argument("--peers", type=Path, default=Path(sys.prefix) / "peers")
     options = parser.parse_args()
-    sys.path.append(str(options.peers))  # last: one of them brings a package `tests`, too
+    sys.path.append(str(options.peers))
     console = Console(width=None if sys.stdout.isatty() else WIDTH)
     found: dict[str, list[Row]] = {}
     for name in options.modules:

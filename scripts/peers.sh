@@ -1,6 +1,6 @@
 #!/bin/sh
 # Put the peers of the benchmarks into .venv/peers, from their hashed lock file. Run at the root.
-# They are kept apart: one brings a package `tests`, and one asks for an older numpy than it needs.
+# They are kept apart, since one asks for an older numpy than it needs.
 set -eu
 bin=.venv/bin
 peers=.venv/peers
@@ -19,5 +19,6 @@ if cmp -s "$lock" "$peers/$lock"; then
 fi
 rm -rf "$peers" "$peers.new"
 install_with_uv "$peers.new" || install_with_pip "$peers.new"
+rm -rf "$peers.new/tests"  # it would hide the tests of this project
 cp "$lock" "$peers.new/"
 mv "$peers.new" "$peers"

@@ -19,7 +19,7 @@ from semtopo.ground import ground_of
 from semtopo.journey import Place, Route, RouteRequest
 from semtopo.metric import MetricMap
 from semtopo.network import NETWORKS_KEPT, Network, network_of
-from semtopo.search import Search, Ways
+from semtopo.search import Search, Turns, Ways
 from semtopo.types import Point
 
 SHARED_MAX = 0.7
@@ -133,7 +133,7 @@ class Finder:
 
 
 @lru_cache(maxsize=NETWORKS_KEPT)
-def _turns(_network: Network, _metric: MetricMap) -> dict[int, int]:
+def _turns(_network: Network, _metric: MetricMap) -> dict[int, Turns]:
     """Return where the costs of turns of a network on a map are kept; of the latest, the same."""
     return {}
 

@@ -14,7 +14,7 @@ from functools import cached_property
 import shapely
 from shapely import LineString, STRtree
 
-from semtopo.bottleneck import find_bottleneck
+from semtopo.bottleneck import Bottleneck, find_bottleneck
 from semtopo.errors.ways import NotConnectedError, OutsideError, TooNarrowError, UnprovedPathError
 from semtopo.geometry import Region, nearest_point, widest_place
 from semtopo.inset import inset, sides
@@ -25,6 +25,10 @@ from semtopo.types import Point
 SNAP = 1e-4
 """m; how far from where it was asked to a path may begin and end: no robot knows its place so
 well."""
+
+
+NECKS_KEPT = 256
+"""Pairs of places in memory of which it is known where the way between them is too narrow."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -47,6 +51,7 @@ class FreeSpace:
     region: Region
     radius: float = 0.0
     _meshes: dict[int, Triangulation] = field(default_factory=dict)
+    _necks: dict[tuple[Point, Point], Bottleneck | None] = field(default_factory=dict)
 
     @cached_property
     def inset(self) -> Region:
@@ -151,7 +156,11 @@ class FreeSpace:
 
     def _refusal(self, start: Point, goal: Point) -> NotConnectedError | TooNarrowError:
         """Return why there is no path between two places of the inset."""
-        found = find_bottleneck(self.region, start, goal, self.radius)
+        if (start, goal) not in self._necks:
+            if len(self._necks) == NECKS_KEPT:
+                self._necks.clear()
+            self._necks[start, goal] = find_bottleneck(self.region, start, goal, self.radius)
+        found = self._necks[start, goal]
         if found is None:
             return NotConnectedError("Start and goal lie in parts of free space that do not meet.")
         return TooNarrowError(found.point, found.width, 2 * self.radius)

@@ -28,6 +28,10 @@ TURNS_MAX = 1_000_000
 """Pairs of a use that enters a zone and one that leaves it, in all zones; with more of them (a hall
 of a thousand doors), they are not kept in memory."""
 
+ENTRIES = 2**17
+"""So many pairs of entering and leaving are tried in one zone: all, below 360 doors. A larger hall
+is left from where it was first entered, the more doors it has the more so."""
+
 NETWORKS_KEPT = 16
 """Networks in memory; one of 10,000 zones takes some 20 MB."""
 
@@ -101,9 +105,25 @@ class Network:
         return self._by_zone(use.source for use in self.uses)
 
     @cached_property
+    def places(self) -> list[int]:
+        """The place of each use among those that leave the same zone."""
+        found = [0] * len(self.uses)
+        for uses in self.leaving:
+            for place, use in enumerate(uses):
+                found[use] = place
+        return found
+
+    @cached_property
     def entering(self) -> list[list[int]]:
         """The uses that lead into each zone."""
         return self._by_zone(use.target for use in self.uses)
+
+    @cached_property
+    def crowded(self) -> frozenset[int]:
+        """The zones of so many doors that not all pairs of these are tried."""
+        doors = zip(self.entering, self.leaving, strict=True)
+        pairs = (len(entering) * len(leaving) for entering, leaving in doors)
+        return frozenset(zone for zone, count in enumerate(pairs) if count > ENTRIES)
 
     @cached_property
     def turns(self) -> int:

@@ -10,6 +10,7 @@ from __future__ import annotations
 
 import heapq
 import math
+from collections import Counter
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from itertools import groupby
@@ -19,19 +20,24 @@ import numpy as np
 from numpy.typing import NDArray
 
 from semtopo.errand import OPEN, Errand, Terms, Way
-from semtopo.network import TURNS_MAX, UNIT, Network, Row
+from semtopo.network import ENTRIES, TURNS_MAX, UNIT, Network
 from semtopo.types import Point
 
 Legs: TypeAlias = Callable[[int, Point, Point], float]
 """Gives the length in m of the way inside a zone, by its number, between two points."""
 
 
+Turns: TypeAlias = list[tuple[int, int, int, bool]]
+"""Uses that may follow one, the zones they lead to, what it costs at least to go on by them, and
+whether it is known to cost just that. They stand in the order in which the network has them."""
+
+
 @dataclass(frozen=True, slots=True)
 class Ways:
-    """The ways inside the zones of a map, and what the turns of a network were found to cost."""
+    """The ways inside the zones of a map, and what is known of the turns of a network, by use."""
 
     legs: Legs
-    turns: dict[int, int]
+    turns: dict[int, Turns]
 
 
 POINTS_AIMED_AT = 16
@@ -41,14 +47,11 @@ how far their bounding box is, is told instead."""
 ROUNDING = 1e-12
 """Relative; more than what distances and their sums may be off."""
 
-ENTRIES = 2**17
-"""So many pairs of entering and leaving are tried in one zone: all, below 360 doors. A larger hall
-is left from where it was first entered, the more doors it has the more so."""
-
-
 _Item: TypeAlias = tuple[int, int, int, int, int]
 """Least cost in all, cost so far (negative: of equal ones, the farther goes first), state, the
-state before it, and the true cost there."""
+state before it, and the true cost there; or EXACT, where the cost so far is true."""
+
+EXACT = -1
 
 
 class Search:
@@ -61,7 +64,7 @@ class Search:
     def __init__(self, network: Network, ways: Ways, errand: Errand, terms: Terms) -> None:
         """Give the goals numbers, and leave out of `via` where one is already."""
         self._network, self._errand, self._terms = network, errand, terms
-        self._legs, self._turns = ways.legs, ways.turns
+        self._legs, self._turns, self._places = ways.legs, ways.turns, network.places
         self._apply = terms != OPEN
         self._count = len(network.uses)
         self._stride = self._count + len(errand.goals)
@@ -93,17 +96,17 @@ class Search:
         self._waiting = []
         if layer == 0:
             start, point = self._errand.start
-            self._push(-1, 0, layer, start, self._network.row_from(start, point))
+            turns = [(*turn, False) for turn in self._network.row_from(start, point)]
+            self._follower(layer)(-1, 0, start, turns)
         for _, cost, state, before, paid in entries:
             bound = self._bounds[state % self._stride]
             heapq.heappush(self._waiting, (bound - cost, cost, state, before, paid))
 
     def _stage(self, layer: int, wanted: int) -> list[_Item]:
         """Return what is reached at the end of a stage, as far as it can matter, cheapest first."""
-        known, waiting, counts = self._before, self._waiting, dict[int, int]()
-        network, stride = self._network, self._stride
-        uses, leaving, row = network.uses, network.leaving, network.row
-        pop, push, true_cost = heapq.heappop, heapq.heappush, self._true_cost
+        known, waiting, entered = self._before, self._waiting, Counter[int]()
+        uses, stride, count = self._network.uses, self._stride, self._count
+        pop, follow, crowded = heapq.heappop, self._follower(layer), self._network.crowded
         found: dict[int, _Item] = {}
         limit, end = math.inf, (layer + 1) * stride
         while waiting and len(found) < wanted:
@@ -112,22 +115,31 @@ class Search:
                 break
             if state in known or state in found:
                 continue
-            true = paid + true_cost(before, state)
-            if true > -cost:
-                push(waiting, (bound + true + cost, -true, state, before, paid))
+            if paid != EXACT and self._is_dearer(bound, cost, state, before, paid):
                 continue
             number = state % stride
-            if state >= end or number >= self._count:
-                found[state] = (bound, cost, state, before, paid)
+            if state >= end or number >= count:
+                found[state] = (bound, cost, state, before, EXACT)
                 if len(found) == 1 < wanted:
-                    limit = true + self._detour(layer + 1, number)
+                    limit = self._detour(layer + 1, number) - cost
                 continue
             known[state] = before
             zone = uses[number].target
-            times = counts[zone] = counts.get(zone, 0) + 1
-            if times == 1 or times * len(leaving[zone]) <= ENTRIES:
-                self._push(state, true, layer, zone, row(number))
+            if zone not in crowded or self._is_tried(zone, entered):
+                follow(state, -cost, zone, self._turns_of(number))
         return list(found.values())
+
+    def _is_tried(self, zone: int, entered: Counter[int]) -> bool:
+        """Say whether a crowded zone is left from where it is entered now, for the nth time."""
+        entered[zone] += 1
+        return entered[zone] == 1 or entered[zone] * len(self._network.leaving[zone]) <= ENTRIES
+
+    def _is_dearer(self, bound: int, cost: int, state: int, before: int, paid: int) -> bool:
+        """Let a state wait again if it costs more, on the true way to it, than was thought."""
+        true = paid + self._true_cost(before, state)
+        if true > -cost:
+            heapq.heappush(self._waiting, (bound + true + cost, -true, state, before, EXACT))
+        return true > -cost
 
     def _detour(self, layer: int, use: int) -> int:
         """Return how much dearer it is at most to go on from a use than from any other beside it.
@@ -142,24 +154,42 @@ class Search:
         costs = (self._true_cost(use, number) - self._cost(zone, number, 0.0) for number in after)
         return max(costs, default=0)
 
-    def _push(self, state: int, paid: int, layer: int, zone: int, row: Row) -> None:
-        """Let all that may follow a state wait for their turn."""
+    def _follower(self, layer: int) -> Callable[[int, int, int, Turns], None]:
+        """Return what lets all that may follow a state in a zone wait for their turn."""
         waiting, known, bounds, push = self._waiting, self._before, self._bounds, heapq.heappush
-        offset, stride, terms = layer * self._stride, self._stride, self._terms
-        aim = self._via[layer] if layer < len(self._via) else -1
-        for use, target, step in row:
-            cost = paid + step
-            if self._apply:
-                if self._is_closed(use):
-                    continue
-                cost = paid + math.ceil(step * terms.factor(zone, use))
-            after = offset + use if target != aim else offset + use + stride
-            if after not in known:
-                push(waiting, (cost + bounds[use], -cost, after, state, paid))
-        if layer == len(self._via):
-            for end in self._ends.get(zone, ()):
+        offset, stride, apply = layer * self._stride, self._stride, self._apply
+        aim, ends = (self._via[layer], {}) if layer < len(self._via) else (-1, self._ends)
+
+        def follow(state: int, paid: int, zone: int, turns: Turns) -> None:
+            for use, target, step, exact in self._at_terms(zone, turns) if apply else turns:
+                after = offset + use if target != aim else offset + use + stride
+                if after not in known:
+                    cost = paid + step
+                    mark = EXACT if exact else paid
+                    push(waiting, (cost + bounds[use], -cost, after, state, mark))
+            for end in ends.get(zone, ()):
                 cost = paid + self._cost(zone, end, math.dist(*self._points(state, end)))
                 push(waiting, (cost, -cost, offset + end, state, paid))
+
+        return follow
+
+    def _turns_of(self, use: int) -> Turns:
+        """Return what may follow a use; what is found out of it is kept."""
+        known = self._turns.get(use)
+        if known is None:
+            known = [(*turn, False) for turn in self._network.row(use)]
+            if self._network.turns <= TURNS_MAX:
+                self._turns[use] = known
+        return known
+
+    def _at_terms(self, zone: int, turns: Turns) -> Turns:
+        """Return of turns those that are not closed, at their price."""
+        factor = self._terms.factor
+        return [
+            (use, target, math.ceil(step * factor(zone, use)), exact)
+            for use, target, step, exact in turns
+            if not self._is_closed(use)
+        ]
 
     def _is_closed(self, use: int) -> bool:
         """Say whether a use must not be gone by, or leads where none may enter."""
@@ -172,17 +202,17 @@ class Search:
         if before < 0 or number >= self._count:
             zone = self._errand.start[0] if before < 0 else self._network.uses[last].target
             return self._cost(zone, number, self._legs(zone, *self._points(before, number)))
-        turn = last * self._count + number
-        cost = self._turns.get(turn)
-        if cost is None:
-            zone = self._network.uses[last].target
+        zone, turns, place = (
+            self._network.uses[last].target,
+            self._turns_of(last),
+            self._places[number],
+        )
+        _, target, cost, exact = turns[place]
+        if not exact:
             metres = self._legs(zone, *self._points(before, number))
             cost = self._network.model.units(metres, 1)
-            if len(self._turns) < TURNS_MAX:
-                self._turns[turn] = cost
-        if not self._apply:
-            return cost
-        return math.ceil(cost * self._terms.factor(self._network.uses[last].target, number))
+            turns[place] = (number, target, cost, True)
+        return math.ceil(cost * self._terms.factor(zone, number)) if self._apply else cost
 
     def _cost(self, zone: int, number: int, metres: float) -> int:
         """Return what a way of so many metres inside a zone costs, to a use or a goal."""
@@ -213,10 +243,10 @@ def _bounds(network: Network, points: Sequence[Point], terms: Terms) -> memoryvi
     ends, uses = np.array(points), network.points
     if len(points) <= POINTS_AIMED_AT:
         apart = uses[:, np.newaxis, :] - ends
-        metres = np.hypot(apart[..., 0], apart[..., 1]).min(axis=1)
+        squares = (apart[..., 0] ** 2 + apart[..., 1] ** 2).min(axis=1)
     else:
         apart = np.maximum(0, np.maximum(ends.min(axis=0) - uses, uses - ends.max(axis=0)))
-        metres = np.hypot(apart[..., 0], apart[..., 1])
+        squares = apart[..., 0] ** 2 + apart[..., 1] ** 2
     units = (network.model.length or UNIT) * terms.least_factor / UNIT
-    bounds: NDArray[np.int64] = np.floor(metres * (units * (1 - ROUNDING))).astype(np.int64)
+    bounds: NDArray[np.int64] = (np.sqrt(squares) * (units * (1 - ROUNDING))).astype(np.int64)
     return bounds.data

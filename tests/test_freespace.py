@@ -13,6 +13,7 @@ import shapely
 from shapely import LineString, MultiPolygon, Polygon, box
 
 from semtopo import freespace
+from semtopo.bottleneck import Bottleneck, find_bottleneck
 from semtopo.errors.ways import NotConnectedError, OutsideError, TooNarrowError, UnprovedPathError
 from semtopo.freespace import SNAP, FreeSpace, Path
 from semtopo.geometry import Region, polygonal
@@ -115,6 +116,23 @@ def test_a_door_too_narrow_is_told_with_place_and_width() -> None:
     assert caught.value.point[1] == pytest.approx(1.5, abs=0.01)
     assert 1 - SLACK <= caught.value.width <= 1
     assert caught.value.needed == 1.2
+
+
+def test_where_a_way_is_too_narrow_is_found_once(monkeypatch: pytest.MonkeyPatch) -> None:
+    space, asked = FreeSpace(ROOMS, 0.6), list[Point]()
+
+    def counted(region: Region, start: Point, goal: Point, radius: float) -> Bottleneck | None:
+        asked.append(goal)
+        return find_bottleneck(region, start, goal, radius)
+
+    monkeypatch.setattr(freespace, "find_bottleneck", counted)
+    told = []
+    for goal in ((7.0, 2.0), (7.0, 2.0), (7.5, 2.0)):
+        with pytest.raises(TooNarrowError) as caught:
+            space.path((2.0, 2.0), goal)
+        told.append(str(caught.value))
+    assert told[0] == told[1]
+    assert asked == [(7.0, 2.0), (7.5, 2.0)]
 
 
 def test_of_two_narrow_ways_the_wider_is_told() -> None:
