@@ -7,12 +7,13 @@ whole numbers, so that they add up exactly and equal ones are equal.
 from __future__ import annotations
 
 import math
-from collections.abc import Iterable
+from collections.abc import Iterable, Sequence
 from dataclasses import dataclass, field
 from functools import cached_property, lru_cache
 from typing import NamedTuple, TypeAlias
 
 import numpy as np
+from numpy.typing import NDArray
 
 from semtopo.errand import OPEN, Terms
 from semtopo.errors import InvalidOptionError
@@ -31,6 +32,13 @@ of a thousand doors), they are not kept in memory."""
 ENTRIES = 2**17
 """So many pairs of entering and leaving are tried in one zone: all, below 360 doors. A larger hall
 is left from where it was first entered, the more doors it has the more so."""
+
+POINTS_AIMED_AT = 16
+"""With more points than this, how far the nearest one is would take longer to tell than to find;
+how far their bounding box is, is told instead."""
+
+ROUNDING = 1e-12
+"""Relative; more than what distances and their sums may be off."""
 
 NETWORKS_KEPT = 16
 """Networks in memory; one of 10,000 zones takes some 20 MB."""
@@ -114,6 +122,12 @@ class Network:
         return found
 
     @cached_property
+    def back(self) -> list[int]:
+        """For each use that which leads back by the same point, if there is one, else -1."""
+        ways = {(use.source, use.target, use.passage.point): it for it, use in enumerate(self.uses)}
+        return [ways.get((use.target, use.source, use.passage.point), -1) for use in self.uses]
+
+    @cached_property
     def entering(self) -> list[list[int]]:
         """The uses that lead into each zone."""
         return self._by_zone(use.target for use in self.uses)
@@ -182,6 +196,21 @@ class Network:
             (use, uses[use].target, units(math.dist(point, uses[use].passage.point), 1))
             for use in self.leaving[zone]
         ]
+
+    def bounds(self, points: Sequence[Point], terms: Terms) -> memoryview:
+        """Return what it costs at least from each use to the nearest of some points: straight."""
+        if not points:
+            return np.zeros(len(self.uses), np.int64).data
+        ends, uses = np.array(points), self.points
+        if len(points) <= POINTS_AIMED_AT:
+            apart = uses[:, np.newaxis, :] - ends
+            squares = (apart[..., 0] ** 2 + apart[..., 1] ** 2).min(axis=1)
+        else:
+            apart = np.maximum(0, np.maximum(ends.min(axis=0) - uses, uses - ends.max(axis=0)))
+            squares = apart[..., 0] ** 2 + apart[..., 1] ** 2
+        units = (self.model.length or UNIT) * terms.least_factor / UNIT
+        bounds: NDArray[np.int64] = (np.sqrt(squares) * (units * (1 - ROUNDING))).astype(np.int64)
+        return bounds.data
 
     def _by_zone(self, zones: Iterable[int]) -> list[list[int]]:
         found: list[list[int]] = [[] for _ in self.zones]

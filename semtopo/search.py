@@ -16,11 +16,8 @@ from dataclasses import dataclass
 from itertools import groupby
 from typing import TypeAlias
 
-import numpy as np
-from numpy.typing import NDArray
-
 from semtopo.errand import OPEN, Errand, Terms, Way
-from semtopo.network import ENTRIES, TURNS_MAX, UNIT, Network
+from semtopo.network import ENTRIES, TURNS_MAX, Network
 from semtopo.types import Point
 
 Legs: TypeAlias = Callable[[int, Point, Point], float]
@@ -39,13 +36,6 @@ class Ways:
     legs: Legs
     turns: dict[int, Turns]
 
-
-POINTS_AIMED_AT = 16
-"""With more points than this, how far the nearest one is would take longer to tell than to find;
-how far their bounding box is, is told instead."""
-
-ROUNDING = 1e-12
-"""Relative; more than what distances and their sums may be off."""
 
 _Item: TypeAlias = tuple[int, int, int, int, int]
 """Least cost in all, cost so far (negative: of equal ones, the farther goes first), state, the
@@ -92,7 +82,7 @@ class Search:
 
     def _begin(self, layer: int, points: Sequence[Point], entries: Sequence[_Item]) -> None:
         """Let where a stage begins wait; the stage leads to the nearest of some points."""
-        self._bounds = _bounds(self._network, points, self._terms)
+        self._bounds = self._network.bounds(points, self._terms)
         self._waiting = []
         if layer == 0:
             start, point = self._errand.start
@@ -160,10 +150,15 @@ class Search:
         offset, stride, apply = layer * self._stride, self._stride, self._apply
         aim, ends = (self._via[layer], {}) if layer < len(self._via) else (-1, self._ends)
 
+        # who goes on from a door at once by the same door has gained nothing, but for having been
+        # in a zone of `via`, or at a door that makes the way to it cheap
+        back = [] if apply or self._via else self._network.back
+
         def follow(state: int, paid: int, zone: int, turns: Turns) -> None:
+            barred = back[state] if back and state >= 0 else -1
             for use, target, step, exact in self._at_terms(zone, turns) if apply else turns:
                 after = offset + use if target != aim else offset + use + stride
-                if after not in known:
+                if after not in known and use != barred:
                     cost = paid + step
                     mark = EXACT if exact else paid
                     push(waiting, (cost + bounds[use], -cost, after, state, mark))
@@ -234,19 +229,3 @@ class Search:
             found.append(state % self._stride)
             state = self._before[state]
         return tuple(reversed(found))
-
-
-def _bounds(network: Network, points: Sequence[Point], terms: Terms) -> memoryview:
-    """Return what it costs at least from each use to the nearest of some points: straight ahead."""
-    if not points:
-        return np.zeros(len(network.uses), np.int64).data
-    ends, uses = np.array(points), network.points
-    if len(points) <= POINTS_AIMED_AT:
-        apart = uses[:, np.newaxis, :] - ends
-        squares = (apart[..., 0] ** 2 + apart[..., 1] ** 2).min(axis=1)
-    else:
-        apart = np.maximum(0, np.maximum(ends.min(axis=0) - uses, uses - ends.max(axis=0)))
-        squares = apart[..., 0] ** 2 + apart[..., 1] ** 2
-    units = (network.model.length or UNIT) * terms.least_factor / UNIT
-    bounds: NDArray[np.int64] = (np.sqrt(squares) * (units * (1 - ROUNDING))).astype(np.int64)
-    return bounds.data
