@@ -74,7 +74,7 @@ def doors(width: int, height: int) -> list[Edge]:
 
 @st.composite
 def tours(draw: st.DrawFn) -> Tour:
-    """Draw a grid of 4 to 36 rooms without some of its doors, and up to four rooms to go through."""
+    """Draw a grid of 4 to 36 rooms without some doors, and up to four rooms to go through."""
     width, height = draw(st.integers(2, 6)), draw(st.integers(2, 6))
     every = doors(width, height)
     shut = draw(st.sets(st.integers(0, len(every) - 1), max_size=6))
