@@ -61,7 +61,7 @@ def test_a_crowded_wall_is_simplified() -> None:
     assert math.pi * (tips - SLACK * 0.25) ** 2 < space.area < math.pi * (tips + 0.02) ** 2
 
 
-@pytest.mark.parametrize("vertices", [900, 1_500, 4_000, 12_000])
+@pytest.mark.parametrize("vertices", [900, 1_500, 4_000])
 def test_what_a_crowded_wall_loses_is_bounded(vertices: int) -> None:
     region, radius = jagged(vertices), 0.25
     space = inset(region, radius)
