@@ -197,16 +197,15 @@ class Search:
         if before < 0 or number >= self._count:
             zone = self._errand.start[0] if before < 0 else self._network.uses[last].target
             return self._cost(zone, number, self._legs(zone, *self._points(before, number)))
-        zone, turns, place = (
-            self._network.uses[last].target,
-            self._turns_of(last),
-            self._places[number],
-        )
-        _, target, cost, exact = turns[place]
-        if not exact:
+        zone, place = self._network.uses[last].target, self._places[number]
+        turns = self._turns.get(last)  # none where there are too many to be kept
+        if turns is not None and turns[place][3]:
+            cost = turns[place][2]
+        else:
             metres = self._legs(zone, *self._points(before, number))
             cost = self._network.model.units(metres, 1)
-            turns[place] = (number, target, cost, True)
+            if turns is not None:
+                turns[place] = (number, self._network.uses[number].target, cost, True)
         return math.ceil(cost * self._terms.factor(zone, number)) if self._apply else cost
 
     def _cost(self, zone: int, number: int, metres: float) -> int:

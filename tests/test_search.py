@@ -16,7 +16,7 @@ import shapely
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from semtopo import finder
+from semtopo import finder, search
 from semtopo.atlas import Atlas
 from semtopo.errors.ways import NoRouteError
 from semtopo.journey import Place, RouteRequest
@@ -212,3 +212,16 @@ def test_alternatives_are_not_looked_for_without_end(monkeypatch: pytest.MonkeyP
     assert len(routes) == 4
     monkeypatch.setattr(finder, "LOOKED_AT_MAX", 1)
     assert find_routes(place, request) == routes[:1]
+
+
+@many
+@given(tour=tours())
+def test_a_network_too_large_to_keep_its_turns_has_the_same_routes(tour: Tour) -> None:
+    try:
+        kept = find_routes(tour.atlas, tour.request)
+    except NoRouteError:
+        return
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr(search, "TURNS_MAX", 0)
+        patch.setattr(finder, "_turns", lambda *_: {})
+        assert find_routes(tour.atlas, tour.request) == kept
