@@ -138,7 +138,7 @@ def _polygon(border: Border) -> Polygon:
     return found
 
 
-def in_order(border: Border) -> Border:
+def arranged(border: Border) -> Border:
     """Return a border whose rings are in any order with each outer one followed by its holes.
 
     Of several outer rings around a hole, the smallest has it.

@@ -19,7 +19,7 @@ SAME_DIRECTION = 1e-5
 """rad; so near to each other, the first and the last beam of a scan may overlap."""
 
 
-class Round(NamedTuple):
+class Beams(NamedTuple):
     """Beams counter-clockwise, (beams,) each: where they point, and how they follow one another.
 
     `along` are their directions, `bearings` how far they are turned from the first, in rad, `after`
@@ -33,7 +33,7 @@ class Round(NamedTuple):
     widths: Floats
 
     @classmethod
-    def of(cls, fan: Fan, beams: Integers) -> Round:
+    def of(cls, fan: Fan, beams: Integers) -> Beams:
         """Put together what is known of some beams that follow one another."""
         bearings = fan.bearings[beams]
         bearings -= bearings[0]
@@ -85,9 +85,9 @@ class Fan:
         return np.abs((self.along.conj() * np.roll(self.along, -1)).imag)
 
     @cached_property
-    def around(self) -> Round:
+    def around(self) -> Beams:
         """All beams of a ring, counter-clockwise, from the first that is last if clockwise."""
-        return Round.of(self, np.arange(len(self))[:: -1 if self.clockwise else 1])
+        return Beams.of(self, np.arange(len(self))[:: -1 if self.clockwise else 1])
 
     @cached_property
     def clockwise(self) -> bool:

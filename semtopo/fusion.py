@@ -13,7 +13,7 @@ from functools import cached_property
 
 import shapely
 
-from semtopo.border import Border, in_order, within
+from semtopo.border import Border, arranged, within
 from semtopo.course import Course, UnclearError, course_of
 from semtopo.geometry import NO_AREA, Region, polygonal
 from semtopo.seams import Seams, joined
@@ -91,7 +91,7 @@ def _swept(known: Extent, sector: Sector) -> Extent:
             x, y = sector.border.xy[sector.border.begins[ring]]
             _covering(known, (x, y))
     whole = [*_whole(known.border, course, found, seams.rings)]
-    return Extent(in_order(joined(seams, around, found, sector.position, whole)))
+    return Extent(arranged(joined(seams, around, found, sector.position, whole)))
 
 
 def _covering(known: Extent, place: Point) -> Extent:

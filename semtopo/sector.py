@@ -20,7 +20,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from semtopo.border import POINT, SIDE, Border
-from semtopo.fan import Round
+from semtopo.fan import Beams
 from semtopo.scan import Intervals, Scan
 from semtopo.types import Bytes, Complexes, Flags, Floats, Integers, Occupancy, Point
 
@@ -79,7 +79,7 @@ def sector_of(scan: Scan, intervals: Integers, *, closed: bool) -> Sector:
         intervals = intervals[::-1]
     spans, fan, position = scan.intervals, scan.fan, complex(*scan.position)
     near, far = spans.near[intervals], spans.far[intervals]
-    along, bearings, after, widths = fan.around if closed else Round.of(fan, spans.beam[intervals])
+    along, bearings, after, widths = fan.around if closed else Beams.of(fan, spans.beam[intervals])
     from_robot = near[0] == 0
 
     def line(radii: Floats, why: Bytes) -> Line:

@@ -14,7 +14,7 @@ from hypothesis import given
 from shapely import MultiPolygon, Polygon, box
 
 from semtopo import fusion
-from semtopo.border import in_order
+from semtopo.border import arranged
 from semtopo.course import UnclearError
 from semtopo.formats import read_path, read_world
 from semtopo.fusion import Extent, fuse
@@ -204,7 +204,7 @@ def test_a_region_is_made_from_its_border() -> None:
             assert made.wkb == known.region.wkb
             rings = Random(seed).sample(range(_rings(known)), _rings(known))
             shuffled = known.border.in_order(rings)
-            assert shapely.normalize(Extent(in_order(shuffled)).region).equals(
+            assert shapely.normalize(Extent(arranged(shuffled)).region).equals(
                 shapely.normalize(known.region)
             )
             parts += len(shapely.get_parts(made)) > 1
