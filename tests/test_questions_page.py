@@ -6,6 +6,7 @@ import re
 import subprocess
 import sys
 from collections.abc import Callable
+from functools import cache, partial
 from pathlib import Path
 from typing import get_args
 
@@ -16,7 +17,7 @@ from semtopo.errors import SemtopoError
 from semtopo.questions import AVOIDED_MAX, STOPS_MAX, Named, PathQuestion
 from semtopo.reading import parse
 from tests.servers import Server
-from tests.service.twin import paper_steps, paper_world
+from tests.service.twin import paper_session
 from tests.test_answers import ask
 
 ROOT = Path(__file__).parents[1]
@@ -59,16 +60,7 @@ def test_every_kind_is_shown() -> None:
 @pytest.fixture(scope="module")
 def after(lasting_server: Server) -> Callable[[int], str]:
     """Give sessions of the paper's drive after some steps, each driven once."""
-    paths: dict[int, str] = {}
-
-    def path(steps: int) -> str:
-        if steps not in paths:
-            paths[steps] = lasting_server.create(world=paper_world())
-            for document in paper_steps()[:steps]:
-                lasting_server.step(paths[steps], document)
-        return paths[steps]
-
-    return path
+    return cache(partial(paper_session, lasting_server))
 
 
 @pytest.mark.parametrize(("kind", "text", "sentence"), ANSWERED)

@@ -21,7 +21,7 @@ from service.schemas.problems import ProblemAnswer
 from service.schemas.questions import QueryAnswer
 from tests.sentences import REFUSED, UNDERSTOOD
 from tests.servers import Server
-from tests.service.twin import paper_steps, paper_world
+from tests.service.twin import paper_session, paper_steps, paper_world
 from tests.test_answers import KINDS
 from tests.test_paper import world
 from tests.test_reading import FRAMES, HOSTILE, TEXT_MAX
@@ -33,10 +33,7 @@ REPLY: TypeAdapter[Any] = TypeAdapter(QueryAnswer)
 @pytest.fixture(scope="module")
 def driven(lasting_server: Server) -> str:
     """Drive the paper's path, and give the session."""
-    path = lasting_server.create(world=paper_world())
-    for document in paper_steps():
-        lasting_server.step(path, document)
-    return path
+    return paper_session(lasting_server)
 
 
 @cache

@@ -14,7 +14,7 @@ import pytest
 
 from service.schemas.answers import RouteQuery
 from tests.servers import Json, Server
-from tests.service.twin import paper_steps, paper_world
+from tests.service.twin import paper_session, paper_steps, paper_world
 
 PAGE = (Path(__file__).parents[2] / "docs" / "routes.md").read_text(encoding="utf-8")
 ROWS = [[cell.strip() for cell in line.strip("|").split(" | ")] for line in PAGE.splitlines()]
@@ -31,10 +31,7 @@ COMMANDS = [
 @pytest.fixture(scope="module")
 def driven(lasting_server: Server) -> str:
     """Give a session after the paper's 81 steps."""
-    path = lasting_server.create(world=paper_world())
-    for document in paper_steps():
-        lasting_server.step(path, document)
-    return path
+    return paper_session(lasting_server)
 
 
 def asked(server: Server, path: str, query: str) -> httpx2.Response:

@@ -22,7 +22,7 @@ from semtopo.runs import LabelledRuns, from_runs
 from semtopo.sensor import Sensor
 from semtopo.types import MappingOptions, Pose
 from semtopo.world import World
-from tests.servers import Json
+from tests.servers import Json, Server
 
 ROOT = Path(__file__).parents[2]
 PAPER = ROOT / "examples" / "paper"
@@ -44,6 +44,14 @@ def at(x: float, y: float, theta: float = 0.0, scan: Json | None = None) -> Json
     """Return the body of a step."""
     pose = {"x": x, "y": y, "theta": theta}
     return {"pose": pose} if scan is None else {"pose": pose, "scan": scan}
+
+
+def paper_session(server: Server, count: int = 81) -> str:
+    """Return the path of a new session that has taken the first steps of the paper's run."""
+    path = server.create(world=paper_world())
+    for document in paper_steps()[:count]:
+        server.step(path, document)
+    return path
 
 
 def world_json(world: World) -> Json:

@@ -11,8 +11,9 @@ import pytest
 from playwright.sync_api import Browser, FloatRect, Page, expect
 
 from tests.servers import Server
+from tests.service.twin import paper_session
 from tests.viewer.browser import opened_page, picture
-from tests.viewer.test_page import address, ask, driven, home, shows_step
+from tests.viewer.test_page import address, ask, home, shows_step
 
 CONTROLS = ", ".join(
     f"{it}:visible"
@@ -113,7 +114,7 @@ def nothing_explored(page: Page, server: Server) -> None:
 
 def explored(page: Page, server: Server) -> None:
     """Everything at once: a refusal, a selected zone that is closed, tables, layers, a notice."""
-    path = driven(server, 29)
+    path = paper_session(server, 29)
     page.goto(address(server, path))
     shows_step(page, 29, 29)
     ask(page, "path from corridor to C")
@@ -129,7 +130,7 @@ def explored(page: Page, server: Server) -> None:
 
 
 def answered(page: Page, server: Server) -> None:
-    page.goto(address(server, driven(server, 81)))
+    page.goto(address(server, paper_session(server, 81)))
     shows_step(page, 81, 81)
     ask(page, "path from A to C")
     expect(page.locator("#answer")).to_contain_text("The path keeps")
@@ -250,7 +251,7 @@ def test_one_sees_where_the_focus_is(browser: Browser, server: Server, state: st
 def test_the_ring_of_focus_is_drawn(browser: Browser, server: Server) -> None:
     """Nothing covers it, and no panel cuts it off."""
     wanted = {"map", "graph", "time", "drive", "question", "theme", "live", "map-fit"}
-    with opened_page(browser, address(server, driven(server, 5))) as page:
+    with opened_page(browser, address(server, paper_session(server, 5))) as page:
         shows_step(page, 5, 5)
         page.wait_for_timeout(300)
         for _ in range(40):

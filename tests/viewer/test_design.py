@@ -9,8 +9,9 @@ import pytest
 from playwright.sync_api import Browser, Page, expect
 
 from tests.servers import Server
+from tests.service.twin import paper_session
 from tests.viewer.browser import opened_page, picture
-from tests.viewer.test_page import MAP, address, driven, home, shows_step
+from tests.viewer.test_page import MAP, address, home, shows_step
 
 VIEWER = Path(__file__).parents[2] / "service" / "viewer"
 MODULES = sorted(VIEWER.glob("*.js"))
@@ -73,7 +74,7 @@ def test_colours_can_be_chosen(browser: Browser, server: Server) -> None:
 def test_it_fits_the_screen(
     browser: Browser, server: Server, width: int, height: int, *, dark: bool
 ) -> None:
-    path = driven(server, 81)
+    path = paper_session(server, 81)
     with opened_page(browser, address(server, path), width=width, height=height, dark=dark) as page:
         shows_step(page, 81, 81)
         page.wait_for_timeout(300)
@@ -90,7 +91,7 @@ def test_it_fits_the_screen(
 
 
 def test_on_a_phone_a_finger_hits_every_control(browser: Browser, server: Server) -> None:
-    path = driven(server, 81)
+    path = paper_session(server, 81)
     with opened_page(browser, address(server, path), width=390, height=844) as page:
         shows_step(page, 81, 81)
         page.fill("#question", "path from corridor to C")
@@ -107,7 +108,7 @@ def test_on_a_phone_a_finger_hits_every_control(browser: Browser, server: Server
 
 
 def test_everything_has_a_name_and_is_reached_by_keys(browser: Browser, server: Server) -> None:
-    path = driven(server, 81)
+    path = paper_session(server, 81)
     with opened_page(browser, address(server, path)) as page:
         shows_step(page, 81, 81)
         controls = page.locator(
@@ -125,7 +126,7 @@ def test_everything_has_a_name_and_is_reached_by_keys(browser: Browser, server: 
 
 
 def test_map_moves_by_keys(browser: Browser, server: Server) -> None:
-    path = driven(server, 81)
+    path = paper_session(server, 81)
     with opened_page(browser, address(server, path)) as page:
         shows_step(page, 81, 81)
         page.wait_for_timeout(300)
@@ -146,7 +147,7 @@ def test_answers_are_spoken(browser: Browser, server: Server) -> None:
 
 
 def test_nothing_comes_from_elsewhere(browser: Browser, server: Server) -> None:
-    path = driven(server, 5)
+    path = paper_session(server, 5)
     with opened_page(browser, "about:blank") as page:
         asked: list[str] = []
         page.on("request", lambda request: asked.append(request.url))

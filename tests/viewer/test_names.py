@@ -15,9 +15,9 @@ from shapely.geometry.base import BaseGeometry
 
 from tests.plans import Floor
 from tests.servers import Json, Server
-from tests.service.twin import at, world_json
+from tests.service.twin import at, paper_session, world_json
 from tests.viewer.browser import opened_page, picture
-from tests.viewer.test_page import address, driven, home, shows_step
+from tests.viewer.test_page import address, home, shows_step
 
 Drawn = dict[str, Any]
 """A name that was drawn: its words, its middle in pixels, its angle on the screen, its size."""
@@ -182,7 +182,7 @@ def test_all_names_of_a_floor_are_legible(
 
 
 def test_no_name_is_under_the_robot_or_a_route(browser: Browser, server: Server) -> None:
-    zones = json.loads(server.get(f"{driven(server, 81)}/zones"))
+    zones = json.loads(server.get(f"{paper_session(server, 81)}/zones"))
     middles = [shapely.geometry.shape(it["geometry"]).representative_point() for it in
                zones["features"]]  # fmt: skip
     with opened_page(browser, home(server)) as page:
@@ -206,7 +206,7 @@ def test_no_name_is_under_the_robot_or_a_route(browser: Browser, server: Server)
 
 def test_names_stay_where_they_are_while_the_view_moves(browser: Browser, server: Server) -> None:
     """The same place on the map, however far the camera has gone."""
-    zones = json.loads(server.get(f"{driven(server, 40)}/zones"))
+    zones = json.loads(server.get(f"{paper_session(server, 40)}/zones"))
     with opened_page(browser, home(server)) as page:
         first, _, _ = names_on(page, zones, (746, 608), [])
         again, _, _ = names_on(page, zones, (746, 608), [])
@@ -253,7 +253,7 @@ def test_a_wide_map_is_above_its_graph_on_a_wall_screen(browser: Browser, server
     })  # fmt: skip
     for x in range(1, 19, 2):
         server.step(corridor, at(x, 1.0))
-    paper = driven(server, 81)
+    paper = paper_session(server, 81)
     for path, is_wide, seq in ((corridor, True, 9), (paper, False, 81)):
         with opened_page(browser, address(server, path), width=2560, height=1440) as page:
             shows_step(page, seq, seq)

@@ -6,8 +6,9 @@ from playwright.sync_api import Browser, Page, expect
 
 from tests.servers import Server
 from tests.service.test_merging_zones import SESSION, WALK
+from tests.service.twin import paper_session
 from tests.viewer.browser import opened_page, picture
-from tests.viewer.test_page import address, driven, home, passages, shows_step
+from tests.viewer.test_page import address, home, passages, shows_step
 
 
 def zones(page: Page) -> list[str]:
@@ -47,7 +48,7 @@ def test_zones_merge_and_are_apart_again_in_the_past(browser: Browser, server: S
 
 
 def test_names_and_closed_zones_of_others_are_told(browser: Browser, server: Server) -> None:
-    path = driven(server, 81)
+    path = paper_session(server, 81)
     with opened_page(browser, address(server, path), tolerate="409") as page:
         shows_step(page, 81, 81)
         expect(page.locator("#link")).to_have_text("live")

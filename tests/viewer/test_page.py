@@ -12,7 +12,7 @@ from playwright.sync_api import Browser, Page, expect
 from service import key_desk
 from tests.plans import Floor
 from tests.servers import Json, Server
-from tests.service.twin import at, paper_steps, paper_world, world_json
+from tests.service.twin import at, paper_session, paper_steps, paper_world, world_json
 from tests.viewer.browser import opened_page, picture
 
 STEPS = paper_steps()
@@ -26,14 +26,6 @@ def home(server: Server) -> str:
 def address(server: Server, path: str) -> str:
     """Return where the page shows a session."""
     return f"{home(server)}#/s/{path.rpartition('/')[2]}"
-
-
-def driven(server: Server, count: int) -> str:
-    """Return the path of a new session that has taken the first steps of the paper's run."""
-    path = server.create(world=paper_world())
-    for step in STEPS[:count]:
-        server.step(path, step)
-    return path
 
 
 def shows_step(page: Page, seq: int, newest: int) -> None:
@@ -106,7 +98,7 @@ def test_from_nothing_to_the_whole_example(browser: Browser, empty_server: Serve
 
 
 def test_play_goes_through_time_to_live(browser: Browser, server: Server) -> None:
-    path = driven(server, 81)
+    path = paper_session(server, 81)
     with opened_page(browser, address(server, path)) as page:
         shows_step(page, 81, 81)
         page.locator("#time").fill("60")
@@ -191,7 +183,7 @@ def test_who_goes_live_sees_no_earlier_map_as_exact(browser: Browser, server: Se
 
 
 def test_follow_a_robot_that_someone_else_drives(browser: Browser, server: Server) -> None:
-    path = driven(server, 4)
+    path = paper_session(server, 4)
     with opened_page(browser, address(server, path)) as page:
         expect(page.locator("#link")).to_have_text("live")
         shows_step(page, 4, 4)
@@ -208,7 +200,7 @@ def test_follow_a_robot_that_someone_else_drives(browser: Browser, server: Serve
 
 
 def test_the_line_is_taken_up_again(browser: Browser, empty_server: Server) -> None:
-    path = driven(empty_server, 4)
+    path = paper_session(empty_server, 4)
     with opened_page(browser, address(empty_server, path), tolerate=r"ERR_|Failed to load") as page:
         shows_step(page, 4, 4)
         empty_server.stop()
@@ -221,7 +213,7 @@ def test_the_line_is_taken_up_again(browser: Browser, empty_server: Server) -> N
 
 
 def test_ask_and_be_refused_then_answered(browser: Browser, server: Server) -> None:
-    path = driven(server, 29)
+    path = paper_session(server, 29)
     with opened_page(browser, address(server, path), tolerate="409|422") as page:
         shows_step(page, 29, 29)
         ask(page, "path from corridor to C")
@@ -280,7 +272,7 @@ def test_a_closed_passage_changes_the_route(browser: Browser, server: Server) ->
 
 
 def test_a_robot_has_a_radius_and_may_go_both_ways(browser: Browser, server: Server) -> None:
-    path = driven(server, 29)  # C was left for the corridor, and never entered from there
+    path = paper_session(server, 29)  # C was left for the corridor, and never entered from there
     with opened_page(browser, address(server, path), tolerate="409") as page:
         shows_step(page, 29, 29)
         answer = page.locator("#answer")
@@ -310,7 +302,7 @@ def test_a_robot_has_a_radius_and_may_go_both_ways(browser: Browser, server: Ser
 
 
 def test_map_and_graph_are_linked(browser: Browser, server: Server) -> None:
-    path = driven(server, 81)
+    path = paper_session(server, 81)
     with opened_page(browser, address(server, path)) as page:
         shows_step(page, 81, 81)
         page.locator("#tables summary").click()
@@ -398,7 +390,7 @@ def test_a_session_that_is_not_there_leads_to_the_list(browser: Browser, server:
 
 
 def test_a_session_that_is_deleted_says_so(browser: Browser, server: Server) -> None:
-    path = driven(server, 5)
+    path = paper_session(server, 5)
     with opened_page(browser, address(server, path)) as page:
         shows_step(page, 5, 5)
         expect(page.locator("#link")).to_have_text("live")

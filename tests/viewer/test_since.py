@@ -9,9 +9,9 @@ from playwright.sync_api import Browser, Page, Request, expect
 
 from tests.servers import Json, Server
 from tests.service.test_merging_zones import SESSION, WALK
-from tests.service.twin import at, paper_steps, paper_world
+from tests.service.twin import at, paper_session, paper_steps, paper_world
 from tests.viewer.browser import opened_page
-from tests.viewer.test_page import address, driven, passages, shows_step
+from tests.viewer.test_page import address, passages, shows_step
 
 COUNT = 130
 """Rooms in a row: of so many, walls are read only for those in sight."""
@@ -138,7 +138,7 @@ def test_what_is_followed_is_the_whole_map(browser: Browser, server: Server, run
 
 def test_another_log_is_read_as_a_whole(browser: Browser, server: Server) -> None:
     """Where a step that was known is none of the log, all is read anew."""
-    longer, shorter = driven(server, 40), driven(server, 12)
+    longer, shorter = paper_session(server, 40), paper_session(server, 12)
     with opened_page(browser, f"{server.client.base_url}/", tolerate="404") as page:
         found = page.evaluate(
             """async ([longer, shorter]) => {
